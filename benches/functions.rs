@@ -8,7 +8,7 @@ use std::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use sesc_identify::evaluate::Evaluator;
-use sesc_identify::plan::limits::Limits;
+use sesc_identify::plan::Limits;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::{Function, Model, Snapping};

@@ -11,8 +11,7 @@ use std::time::Instant;
 
 use sesc_generated::op2_r_sole::{self as op2, CAD_PARAMS, DOF};
 use sesc_identify::evaluate::Evaluator;
-use sesc_identify::robot::Robot;
-use sesc_identify::stance::Stance;
+use sesc_identify::robot::{Robot, Stance};
 use sesc_model::Function;
 
 /// The functions that Python has, by its names.

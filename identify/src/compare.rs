@@ -14,8 +14,6 @@
 //! Effects are compared by name and target, value by value, in standard deviations of the
 //! difference. Directions of which a file gives no deviation are left out and counted.
 
-mod criteria;
-
 use std::collections::BTreeSet;
 
 use nalgebra::{DMatrix, DVector};
@@ -25,7 +23,13 @@ use statrs::distribution::{ChiSquared, ContinuousCDF as _, Normal};
 
 use crate::Error;
 use crate::diagnose::subject;
-use criteria::{CHANCE, LEAST_CHANCE, LISTED};
+
+/// A difference that chance makes more often than this is none. Chosen: it is the rate of false
+/// alarms itself (closed form).
+const CHANCE: f64 = 0.01;
+/// A chance below this is said to be below it, for further digits of it mean nothing. Chosen: it
+/// changes a sentence alone.
+const LEAST_CHANCE: f64 = 1e-12;
 
 /// A number in both models.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -155,9 +159,8 @@ pub fn compare(before: &ModelFile, after: &ModelFile) -> Result<Comparison, Erro
     let (parameters, squares) = masses(before, after);
     let chance = chance(&squares);
     let effects = effects(before, after);
-    let values_changed = effects
-        .iter()
-        .any(|e| matches!(e.change, Change::Appeared | Change::Gone | Change::Changed));
+    let same = |e: &EffectChange| matches!(e.change, Change::Same | Change::Unknown);
+    let values_changed = !effects.iter().all(same);
     let masses_changed = chance.is_some_and(|chance| chance < CHANCE);
     let hashes = |file: &ModelFile| -> BTreeSet<String> {
         file.data.iter().map(|data| data.hash.clone()).collect()
@@ -185,11 +188,8 @@ fn masses(before: &ModelFile, after: &ModelFile) -> (Vec<Difference>, Vec<f64>) 
     let n = before.parameters.len();
     let of = |name: &str| after.parameters.iter().position(|p| p.name == name);
     // Place of every parameter of the first file in the second.
-    let places: Vec<usize> = before
-        .parameters
-        .iter()
-        .filter_map(|p| of(&p.name))
-        .collect();
+    let places = before.parameters.iter().filter_map(|p| of(&p.name));
+    let places: Vec<usize> = places.collect();
     let (a, b) = (covariance(before), covariance(after));
     let known: Vec<usize> = (0..n)
         .filter(|&k| a[(k, k)].is_finite() && b[(places[k], places[k])].is_finite())
@@ -225,32 +225,24 @@ fn deviations(gap: f64, std: f64) -> f64 {
 fn covariance(file: &ModelFile) -> DMatrix<f64> {
     let n = file.parameters.len();
     let mut found = DMatrix::zeros(n, n);
-    let unknown = |found: &mut DMatrix<f64>, k: usize| found[(k, k)] = f64::INFINITY;
     let factor = file.information.as_ref().map(|i| &i.factor);
     let Some(factor) = factor.filter(|factor| factor.len() == n) else {
-        for (k, parameter) in file.parameters.iter().enumerate() {
-            match parameter.std {
-                Some(std) => found[(k, k)] = std * std,
-                None => unknown(&mut found, k),
-            }
-        }
+        let variances = file.parameters.iter().map(|p| p.std);
+        let variances = variances.map(|std| std.map_or(f64::INFINITY, |std| std * std));
+        found.set_diagonal(&DVector::from_iterator(n, variances));
         return found;
     };
     // Rows of zeros know nothing of their parameter: the others are taken given it.
     let known: Vec<usize> = (0..n).filter(|&k| factor[k][0] > 0.0).collect();
-    let triangle = DMatrix::from_fn(known.len(), known.len(), |i, k| {
-        match known[k].checked_sub(known[i]) {
-            Some(at) => factor[known[i]][at],
-            None => 0.0,
-        }
+    let m = known.len();
+    let triangle = DMatrix::from_fn(m, m, |i, k| {
+        let at = known[k].checked_sub(known[i]);
+        at.map_or(0.0, |at| factor[known[i]][at])
     });
-    let inverse = triangle
-        .solve_upper_triangular(&DMatrix::identity(known.len(), known.len()))
-        .unwrap_or_else(|| DMatrix::from_element(known.len(), known.len(), f64::INFINITY));
+    let inverse = triangle.solve_upper_triangular(&DMatrix::identity(m, m));
+    let inverse = inverse.unwrap_or_else(|| DMatrix::from_element(m, m, f64::INFINITY));
     let covariance = &inverse * inverse.transpose();
-    for k in 0..n {
-        unknown(&mut found, k);
-    }
+    found.fill_diagonal(f64::INFINITY);
     for (i, &row) in known.iter().enumerate() {
         for (k, &column) in known.iter().enumerate() {
             found[(row, column)] = covariance[(i, k)];
@@ -271,16 +263,12 @@ fn squares(covariance: DMatrix<f64>, gap: &DVector<f64>) -> Vec<f64> {
     let largest = axes.eigenvalues.max();
     let mut order: Vec<usize> = (0..gap.len()).collect();
     order.sort_by(|i, k| axes.eigenvalues[*i].total_cmp(&axes.eigenvalues[*k]));
-    order
-        .into_iter()
+    let squares = order.into_iter().map(|k| {
         // Below this a variance is the rounding of larger ones.
-        .map(|k| {
-            let variance = axes.eigenvalues[k].max(1e-15 * largest);
-            let along = axes.eigenvectors.column(k).dot(gap);
-            along * along / variance
-        })
-        .filter(|square| square.is_finite())
-        .collect()
+        let variance = axes.eigenvalues[k].max(1e-15 * largest);
+        axes.eigenvectors.column(k).dot(gap).powi(2) / variance
+    });
+    squares.filter(|square| square.is_finite()).collect()
 }
 
 /// Smallest probability of Σ z² over the first 1, 2, 4, … directions, times their number.
@@ -318,11 +306,8 @@ fn effect(old: Option<&EffectRecord>, new: Option<&EffectRecord>) -> EffectChang
     let of = |record: Option<&EffectRecord>, name: &str| {
         record.and_then(|record| record.parameters.get(name).copied())
     };
-    let names: BTreeSet<&String> = old
-        .into_iter()
-        .chain(new)
-        .flat_map(|record| record.parameters.keys())
-        .collect();
+    let both = || old.into_iter().chain(new);
+    let names: BTreeSet<&String> = both().flat_map(|r| r.parameters.keys()).collect();
     let parameters: Vec<Difference> = names
         .into_iter()
         .map(|name| {
@@ -346,10 +331,9 @@ fn effect(old: Option<&EffectRecord>, new: Option<&EffectRecord>) -> EffectChang
         (_, None) => Change::Gone,
         _ => change(&parameters),
     };
-    let record = old.or(new);
     EffectChange {
-        effect: record.map_or_else(String::new, |r| r.effect.clone()),
-        target: record.map_or_else(String::new, |r| r.target.clone()),
+        effect: both().take(1).map(|r| r.effect.as_str()).collect(),
+        target: both().take(1).map(|r| r.target.as_str()).collect(),
         change,
         parameters,
     }
@@ -374,16 +358,11 @@ fn change(parameters: &[Difference]) -> Change {
 impl Comparison {
     /// The base parameters that differ most, in deviations, the largest first.
     pub fn largest(&self) -> Vec<&Difference> {
-        let mut judged: Vec<&Difference> = self
-            .parameters
-            .iter()
-            .filter(|p| p.deviations.is_some_and(|z| z > 0.0))
-            .collect();
-        judged.sort_by(|a, b| {
-            let of = |p: &Difference| p.deviations.unwrap_or(0.0);
-            of(b).total_cmp(&of(a))
-        });
-        judged.truncate(LISTED);
+        let of = |p: &Difference| p.deviations.unwrap_or(0.0);
+        let judged = self.parameters.iter().filter(|p| of(p) > 0.0);
+        let mut judged: Vec<&Difference> = judged.collect();
+        judged.sort_by(|a, b| of(b).total_cmp(&of(a)));
+        judged.truncate(5);
         judged
     }
 }

@@ -56,50 +56,44 @@ impl ErrorKind {
     }
 }
 
-type Inner = Box<dyn std::error::Error + Send + Sync>;
+type Source = Box<dyn std::error::Error + Send + Sync>;
 
 #[derive(Debug)]
-enum Cause {
-    Model(sesc_model::Error),
-    Other {
-        kind: ErrorKind,
-        file: Option<String>,
-        line: Option<u64>,
-        message: Message,
-        source: Option<Inner>,
-    },
+struct Cause {
+    kind: ErrorKind,
+    file: Option<String>,
+    line: Option<u64>,
+    message: Message,
+    source: Option<Source>,
+    /// What is wrong with the robot or its model file, which says the whole sentence.
+    model: Option<sesc_model::Error>,
 }
 
 impl Error {
     fn new(kind: ErrorKind, message: impl Into<Message>) -> Error {
-        Error(Box::new(Cause::Other {
+        Error(Box::new(Cause {
             kind,
             file: None,
             line: None,
             message: message.into(),
             source: None,
+            model: None,
         }))
     }
 
-    fn at(mut self, place: impl Into<String>, at: Option<u64>) -> Error {
-        if let Cause::Other { file, line, .. } = &mut *self.0 {
-            (*file, *line) = (Some(place.into()), at);
-        }
+    fn at(mut self, place: impl Into<String>, line: Option<u64>) -> Error {
+        (self.0.file, self.0.line) = (Some(place.into()), line);
         self
     }
 
-    fn because(mut self, cause: impl Into<Inner>) -> Error {
-        if let Cause::Other { source, .. } = &mut *self.0 {
-            *source = Some(cause.into());
-        }
+    fn because(mut self, cause: impl Into<Source>) -> Error {
+        self.0.source = Some(cause.into());
         self
     }
 
     /// The same error with a remedy, after the name of a file that cannot be read.
     pub(crate) fn saying(mut self, remedy: Message) -> Error {
-        if let Cause::Other { message, .. } = &mut *self.0 {
-            *message = remedy.after("; ");
-        }
+        self.0.message = remedy.after("; ");
         self
     }
 
@@ -138,7 +132,7 @@ impl Error {
     }
 
     /// A result cannot be written down.
-    pub(crate) fn serialise(source: impl Into<Inner>) -> Error {
+    pub(crate) fn serialise(source: impl Into<Source>) -> Error {
         Error::new(ErrorKind::Serialise, "cannot serialise the result").because(source)
     }
 
@@ -160,63 +154,38 @@ impl Error {
 
     /// What kind of thing went wrong.
     pub fn kind(&self) -> ErrorKind {
-        match &*self.0 {
-            Cause::Model(error) => match error.kind() {
-                sesc_model::ErrorKind::Write => ErrorKind::Write,
-                _ => ErrorKind::Model,
-            },
-            Cause::Other { kind, .. } => *kind,
-        }
+        self.0.kind
     }
 
     /// The file with the fault.
     pub fn file(&self) -> Option<&str> {
-        match &*self.0 {
-            Cause::Model(error) => error.file(),
-            Cause::Other { file, .. } => file.as_deref(),
-        }
+        self.0.file.as_deref()
     }
 
     /// The line or row with the fault, from 1.
     pub fn line(&self) -> Option<u64> {
-        match &*self.0 {
-            Cause::Model(error) => error.line(),
-            Cause::Other { line, .. } => *line,
-        }
+        self.0.line
     }
 
     /// The column with the fault: messages about one begin with its name.
     pub fn column(&self) -> Option<&str> {
-        match &*self.0 {
-            Cause::Model(_) => None,
-            Cause::Other { message, .. } => {
-                let rest = message.first_words().strip_prefix("column `")?;
-                rest.split_once('`').map(|(name, _)| name)
-            }
-        }
+        let rest = self.0.message.first_words().strip_prefix("column `")?;
+        rest.split_once('`').map(|(name, _)| name)
     }
 
     /// What is wrong with the robot or its model file, if it is that.
     pub fn model(&self) -> Option<&sesc_model::Error> {
-        match &*self.0 {
-            Cause::Model(error) if self.kind() == ErrorKind::Model => Some(error),
-            _ => None,
-        }
+        let model = self.0.model.as_ref();
+        model.filter(|_| self.0.kind == ErrorKind::Model)
     }
 
     /// The whole sentence, with settings as the caller's users know them.
     pub fn worded(&self, word: impl Fn(Setting) -> String) -> String {
-        let (kind, file, line, message) = match &*self.0 {
-            Cause::Model(error) => return error.to_string(),
-            Cause::Other {
-                kind,
-                file,
-                line,
-                message,
-                ..
-            } => (kind, file, line, message.worded(word)),
-        };
-        match (kind, file, line) {
+        if let Some(error) = &self.0.model {
+            return error.to_string();
+        }
+        let message = self.0.message.worded(word);
+        match (self.0.kind, &self.0.file, self.0.line) {
             (ErrorKind::Read, Some(file), _) => format!("cannot read {file}{message}"),
             (ErrorKind::Write, Some(file), _) => format!("cannot write {file}{message}"),
             (_, Some(file), Some(line)) => format!("{file}:{line}: {message}"),
@@ -234,18 +203,23 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match &*self.0 {
-            Cause::Model(error) => error.source(),
-            Cause::Other { source, .. } => {
-                let source = source.as_deref();
-                source.map(|source| source as &(dyn std::error::Error + 'static))
-            }
+        if let Some(error) = &self.0.model {
+            return error.source();
         }
+        let source = self.0.source.as_deref();
+        source.map(|source| source as &(dyn std::error::Error + 'static))
     }
 }
 
 impl From<sesc_model::Error> for Error {
     fn from(error: sesc_model::Error) -> Error {
-        Error(Box::new(Cause::Model(error)))
+        let kind = match error.kind() {
+            sesc_model::ErrorKind::Write => ErrorKind::Write,
+            _ => ErrorKind::Model,
+        };
+        let mut own = Error::new(kind, "");
+        (own.0.file, own.0.line) = (error.file().map(str::to_string), error.line());
+        own.0.model = Some(error);
+        own
     }
 }

@@ -23,8 +23,7 @@ const LONG_OPERATION: usize = 20;
 ///
 /// ```
 /// use sesc_identify::evaluate::Evaluator;
-/// use sesc_identify::robot::Robot;
-/// use sesc_identify::stance::Stance;
+/// use sesc_identify::robot::{Robot, Stance};
 /// use sesc_model::Function;
 ///
 /// # let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
@@ -234,14 +233,14 @@ impl Evaluator {
 
     /// What `_sc` functions take: sines (positions of prismatic joints) and cosines.
     fn sines(&self, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let prismatic = self.prismatic.iter().cycle();
-        q.iter()
-            .zip(prismatic)
-            .map(|(&x, &prismatic)| match prismatic {
-                true => (x, 0.0),
-                false => trig::sin_cos(x),
-            })
-            .unzip()
+        let of = |(&x, &prismatic): (&f64, &bool)| {
+            if prismatic {
+                (x, 0.0)
+            } else {
+                trig::sin_cos(x)
+            }
+        };
+        q.iter().zip(self.prismatic.iter().cycle()).map(of).unzip()
     }
 }
 
@@ -303,21 +302,18 @@ fn chunks<const N: usize>(simd: Simd, angles: &[f64], sin: &mut [f64], cos: &mut
 ///
 /// Effects of the body are part of both.
 pub struct MotionPredictor {
-    zmp: Tape,
+    zmp: Evaluator,
     com: Evaluator,
     cop: Option<EffectPredictor>,
-    params: Vec<f64>,
 }
 
 impl MotionPredictor {
     /// Prepare a model with its parameters and effects.
     pub fn new(model: &Model) -> MotionPredictor {
-        let program = model.program(Function::Zmp, Given::Positions);
         MotionPredictor {
-            zmp: Tape::new(&program.expect("every function can be had from joint positions")),
+            zmp: Evaluator::new(model, Function::Zmp),
             com: Evaluator::new(model, Function::Com),
             cop: EffectPredictor::new(model),
-            params: model.params(),
         }
     }
 
@@ -330,14 +326,8 @@ impl MotionPredictor {
         (rates, accelerations): (&[f64], &[f64]),
     ) -> Vec<[f64; 2]> {
         let mut zmp = vec![0.0; 2 * n];
-        let [positions, rates, accelerations] = [q, rates, accelerations].map(Values::PerPosture);
-        let arguments = [
-            positions,
-            rates,
-            accelerations,
-            Values::Shared(&self.params),
-        ];
-        self.zmp.run(&arguments, n, &mut zmp, PORTABLE);
+        self.zmp
+            .run_moving_into(q, rates, accelerations, n, &mut zmp);
         let com = self.com.run(q, n);
         let pairs = zmp.chunks_exact(2).zip(com.chunks_exact(3));
         let of = |(zmp, com): (&[f64], &[f64])| {
@@ -428,8 +418,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::robot::Robot;
-    use crate::stance::Stance;
+    use crate::robot::{Robot, Stance};
 
     #[test]
     fn a_posture_alone_has_the_bits_of_its_batch() {

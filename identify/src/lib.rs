@@ -10,7 +10,7 @@
 //! returns all that is found:
 //!
 //! * [`robot::Robot`]: a URDF; [`logs::LogSource`]: a posture log by its path or from memory;
-//!   [`stance::Stance`]: a robot on its support link.
+//!   [`robot::Stance`]: a robot on its support link.
 //! * [`fit::fit`]: the base parameters with their uncertainty; [`fit::gather()`]: a part of a
 //!   fit, to be joined elsewhere.
 //! * [`diagnose::diagnose`]: what the model misses, and what to do about it.
@@ -33,12 +33,9 @@ pub mod files;
 pub mod fit;
 pub mod fleet;
 pub mod health;
-#[doc(hidden)]
-pub mod hide;
 pub mod logs;
 #[doc(hidden)]
 pub mod lsq;
-pub mod next_steps;
 #[doc(hidden)]
 pub mod observations;
 pub mod plan;
@@ -48,7 +45,6 @@ pub mod robot;
 pub mod simulate;
 #[doc(hidden)]
 pub mod skeleton;
-pub mod stance;
 mod svd;
 #[cfg(test)]
 mod tests;
@@ -57,10 +53,9 @@ pub mod threads;
 mod tolerances;
 mod watch;
 mod words;
-mod xacro;
 
 pub use error::{Error, ErrorKind};
 #[doc(hidden)]
 pub use watch::tell;
 pub use watch::{Progress, Watch};
-pub use words::{Message, Piece, Setting};
+pub use words::{Functions, Message, NextStep, Piece, Setting};

@@ -6,28 +6,30 @@
 //!
 //! A model with effects predicts the reading of its sensor instead. Where a log with times is
 //! dense enough to know accelerations, its CoP is the ZMP. Of a log of both feet it is said where
-//! the soles do not close.
-
-mod soles;
+//! the soles do not close in the postures that are predicted.
+//!
+//! Where soles do not close, joints are not where encoders, and the effects of a model file, have them,
+//! and predictions are off by as much.
 
 use std::collections::HashMap;
 
 use serde::Serialize;
+use sesc_model::effects::{self, Catalog, EffectContext, Instance, PostureContext};
+use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
 use crate::Error;
-use crate::evaluate::{EffectPredictor, Evaluator, MotionPredictor};
-use crate::feet::Feet;
+use crate::evaluate::{EffectPredictor, Evaluator, FASTEST, MotionPredictor};
+use crate::feet::{Closure, Feet, OtherFoot};
 use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings, Stays, joints};
 use crate::observations::motion::{Motion, Wanted};
 use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
 use crate::observations::rows;
 use crate::observations::zmp::Zmp;
+use crate::robot::Stance;
 use crate::robot::check_joints;
-use crate::stance::Stance;
 use crate::watch::{Watch, tell};
-use soles::Soles;
 
 /// Rows that are read and evaluated together.
 const BLOCK: usize = 4096;
@@ -78,8 +80,7 @@ pub struct Predictions {
 /// ```
 /// use sesc_identify::logs::Table;
 /// use sesc_identify::predict::{Request, predict};
-/// use sesc_identify::robot::Robot;
-/// use sesc_identify::stance::Stance;
+/// use sesc_identify::robot::{Robot, Stance};
 ///
 /// # let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
 /// #   <mass value='2'/></inertial></link><joint name='hip' type='revolute'>\
@@ -131,7 +132,7 @@ impl Predictor {
     /// use sesc_identify::logs::Table;
     /// use sesc_identify::predict::{Predictor, Request};
     /// use sesc_identify::robot::Robot;
-    /// use sesc_identify::stance::Stance;
+    /// use sesc_identify::robot::Stance;
     /// # let urdf = "<robot name='rod'><link name='foot'/>\
     /// #     <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
     /// #     <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
@@ -158,17 +159,12 @@ impl Predictor {
             motion,
         } = request;
         // With a support of the caller's, what the log says about it is not looked at.
-        let links = match stance.support {
-            Some(_) => Vec::new(),
-            None => {
-                let links = stance.robot.description.link_names();
-                links.map(str::to_string).collect()
-            }
-        };
+        let links = stance.robot.description.link_names();
+        let links = links.filter(|_| stance.support.is_none());
         let options = Options {
             angles: *angles,
             readings: Readings::Ignored,
-            links,
+            links: links.map(str::to_string).collect(),
             stays: Stays::Apart,
             ..Options::default()
         };
@@ -183,9 +179,8 @@ impl Predictor {
                 ..options.clone()
             };
             let first = PostureReader::open(log, &dofs, &with_readings)?.first_support()?;
-            stance.support = first
-                .filter(|link| !link.is_empty())
-                .map(|link| link.to_string());
+            let first = first.filter(|link| !link.is_empty());
+            stance.support = first.map(|link| link.to_string());
         }
         let reader = match motion {
             MotionModel::Auto => Moving::planned(reader, dofs.len(), HEAD, Wanted::Alone)?,
@@ -258,30 +253,20 @@ impl Predictor {
                 Some(motion) => on_link.shifts(q, motion, start, gravity),
                 None => vec![[0.0; 2]; n],
             };
-            let com = match &on_link.effects {
-                Some(effects) => {
-                    let (com, cop) = effects.moving(q, n, gravity, &shifts);
-                    found
-                        .cop_m
-                        .extend(cop.chunks_exact(2).map(|c| [c[0], c[1]]));
-                    com
+            let com = if let Some(effects) = &on_link.effects {
+                let (com, cop) = effects.moving(q, n, gravity, &shifts);
+                found.cop_m.extend(cop.as_chunks().0);
+                com
+            } else {
+                let com = on_link.com.run(q, n);
+                for (k, (com, by)) in com.as_chunks().0.iter().zip(&shifts).enumerate() {
+                    let down = gravity.map_or([0.0, 0.0, -1.0], |all| all[k]);
+                    let [x, y] = projected(*com, down);
+                    found.cop_m.push([x + by[0], y + by[1]]);
                 }
-                None => {
-                    let com = on_link.com.run(q, n);
-                    let down = |k: usize| gravity.map_or([0.0, 0.0, -1.0], |all| all[k]);
-                    let projections = com.chunks_exact(3).enumerate();
-                    let projections =
-                        projections.map(|(k, c)| projected([c[0], c[1], c[2]], down(k)));
-                    let projections = projections
-                        .zip(&shifts)
-                        .map(|(cop, by)| [cop[0] + by[0], cop[1] + by[1]]);
-                    found.cop_m.extend(projections);
-                    com
-                }
+                com
             };
-            found
-                .com_m
-                .extend(com.chunks_exact(3).map(|c| [c[0], c[1], c[2]]));
+            found.com_m.extend(com.as_chunks().0);
             start += n;
         }
         Ok(found)
@@ -296,20 +281,16 @@ impl Predictor {
         if !self.evaluators.contains_key(support) {
             let model = self.stance.model_on(support)?;
             if self.evaluators.is_empty() {
-                let notes = model.tree.notes.iter().cloned();
-                notes
-                    .chain(model.cautions())
-                    .for_each(|note| watch.note(&note));
+                let notes = model.tree.notes.iter().cloned().chain(model.cautions());
+                notes.for_each(|note| watch.note(&note));
             }
+            // Where the other sole cannot be told, nothing is said of it.
+            let other = Feet::default().of(&self.reader.sidecar, &model);
             let evaluators = Evaluators {
                 com: Evaluator::new(&model, Function::Com),
                 effects: EffectPredictor::new(&model),
                 motion: None,
-                // Where the other sole cannot be told, nothing is said of it.
-                soles: Feet::default()
-                    .of(&self.reader.sidecar, &model)
-                    .unwrap_or_default()
-                    .map(Soles::new),
+                soles: other.unwrap_or_default().map(Soles::new),
                 model,
             };
             self.evaluators.insert(support.to_string(), evaluators);
@@ -320,9 +301,8 @@ impl Predictor {
     /// Say once where soles do not close in the rows that were predicted.
     fn warn_of_soles(&mut self, watch: &mut dyn Watch) {
         for on_link in self.evaluators.values_mut() {
-            let open = on_link.soles.take();
-            let open = open.and_then(|soles| soles.open(&on_link.model));
-            if let Some(open) = open {
+            let soles = on_link.soles.take();
+            if let Some(open) = soles.and_then(|soles| soles.open(&on_link.model)) {
                 watch.warning(&open.into());
             }
         }
@@ -345,18 +325,16 @@ impl Evaluators {
         gravity: Option<&[[f64; 3]]>,
     ) -> Vec<[f64; 2]> {
         let model = &self.model;
-        let (predictor, zmp) = self
-            .motion
-            .get_or_insert_with(|| (MotionPredictor::new(model), Zmp::new(model)));
+        let make = || (MotionPredictor::new(model), Zmp::new(model));
+        let (predictor, zmp) = self.motion.get_or_insert_with(make);
         let dof = model.dof();
         let own = start * dof..start * dof + q.len();
         let motion = (&motion.rates[own.clone()], &motion.gains[own]);
         let n = q.len() / dof;
         let mut shifts = predictor.shifts(q, n, motion);
-        let tilts: Option<Vec<[f64; 2]>> =
-            gravity.map(|all| all.iter().map(|g| rows::tilt(*g)).collect());
-        let tilted = |tilts: &Vec<[f64; 2]>| tilts.iter().flatten().any(|t| *t != 0.0);
-        if let Some(tilts) = tilts.filter(tilted) {
+        let tilts = gravity.into_iter().flatten().map(|g| rows::tilt(*g));
+        let tilts: Vec<[f64; 2]> = tilts.collect();
+        if tilts.iter().flatten().any(|t| *t != 0.0) {
             let of = |tilts: &[[f64; 2]]| zmp.shifts(&model.params(), q, motion, tilts);
             let (tilted, level) = (of(&tilts), of(&vec![[0.0; 2]; n]));
             for (shift, (a, b)) in shifts.iter_mut().zip(tilted.iter().zip(level)) {
@@ -371,4 +349,83 @@ impl Evaluators {
 fn projected([x, y, z]: [f64; 3], gravity: [f64; 3]) -> [f64; 2] {
     let down = z / gravity[2];
     [x - gravity[0] * down, y - gravity[1] * down]
+}
+
+/// Postures that are looked at: from twice as many on, every other one of them is let go.
+const POSTURES: usize = 2000;
+
+/// Postures of a log on one support, evenly chosen.
+pub(super) struct Soles {
+    other: OtherFoot,
+    q: Vec<f64>,
+    /// Every so many rows one is kept.
+    every: usize,
+    rows: usize,
+}
+
+impl Soles {
+    pub fn new(other: OtherFoot) -> Soles {
+        Soles {
+            other,
+            q: Vec::new(),
+            every: 1,
+            rows: 0,
+        }
+    }
+
+    /// Take note of postures `q[posture * dof + joint]`.
+    pub fn see(&mut self, q: &[f64], dof: usize) {
+        for posture in q.chunks_exact(dof.max(1)) {
+            if self.rows.is_multiple_of(self.every) {
+                self.q.extend(posture);
+            }
+            self.rows += 1;
+            if self.q.len() >= 2 * POSTURES * dof {
+                let all = std::mem::take(&mut self.q);
+                let kept = all.chunks_exact(dof).step_by(2);
+                self.q = kept.flatten().copied().collect();
+                self.every *= 2;
+            }
+        }
+    }
+
+    /// What is said where they do not close, as `model` has its joints.
+    pub fn open(&self, model: &Model) -> Option<String> {
+        let q = bent(model, &self.q);
+        let closure = Closure::of(model, self.other.clone(), &q, None);
+        let source = if model.effects.is_empty() {
+            "CAD"
+        } else {
+            "the model file"
+        };
+        let found = closure.found_by(source);
+        (!found.closes).then(|| {
+            format!(
+                "{} Predictions take the joints to be there; a diagnosis of the log can tell what \
+                 is off",
+                found.sentence
+            )
+        })
+    }
+}
+
+/// Joint positions as the effects of a model bend them.
+fn bent(model: &Model, q: &[f64]) -> Vec<f64> {
+    if model.effects.is_empty() {
+        return q.to_vec();
+    }
+    let context = EffectContext::new(model, &[], false, Catalog::standard());
+    let instances: Vec<Instance> = model.effects.iter().map(|(i, _)| i.clone()).collect();
+    let values: Vec<f64> = model.effects.iter().flat_map(|(_, x)| x.clone()).collect();
+    let tape = Tape::new(&effects::joints(&context, &instances, &model.params()));
+    let n = q.len() / model.dof().max(1);
+    let level = vec![0.0; n * PostureContext::of(model).len()];
+    let arguments = [
+        Values::PerPosture(q),
+        Values::Shared(&values),
+        Values::PerPosture(&level),
+    ];
+    let mut out = vec![0.0; q.len()];
+    tape.run(&arguments, n, &mut out, FASTEST);
+    out
 }

@@ -14,9 +14,6 @@ use nalgebra::{DMatrix, DVector, Dyn, SVD, SymmetricEigen};
 /// Rounds per singular value, at most; about three are usual.
 const ROUNDS: usize = 200;
 
-/// Tolerance of what has settled: the library's own.
-const SETTLED: f64 = 5.0 * f64::EPSILON;
-
 /// The decomposition of `matrix`, with U and Vᵀ where they are asked for.
 pub fn svd(matrix: DMatrix<f64>, u: bool, v: bool) -> SVD<f64, Dyn, Dyn> {
     let (rows, columns) = matrix.shape();
@@ -32,12 +29,8 @@ pub fn svd(matrix: DMatrix<f64>, u: bool, v: bool) -> SVD<f64, Dyn, Dyn> {
     if !matrix.iter().all(|x| x.is_finite()) {
         return filled(f64::NAN);
     }
-    SVD::try_new(matrix, u, v, SETTLED, ROUNDS * few).unwrap_or_else(|| filled(f64::NAN))
-}
-
-/// The singular values of `matrix`, the largest first.
-pub fn singular_values(matrix: DMatrix<f64>) -> DVector<f64> {
-    svd(matrix, false, false).singular_values
+    // The tolerance is the library's own.
+    SVD::try_new(matrix, u, v, 5.0 * f64::EPSILON, ROUNDS * few).unwrap_or_else(|| filled(f64::NAN))
 }
 
 /// Eigenvalues and vectors of a symmetric matrix, NaN where it is not finite.
@@ -76,13 +69,18 @@ mod tests {
         for odd in [f64::NAN, f64::INFINITY] {
             let mut matrix = DMatrix::identity(20, 20);
             matrix[(3, 4)] = odd;
-            assert!(singular_values(matrix.clone()).iter().all(|x| x.is_nan()));
+            assert!(
+                svd(matrix.clone(), false, false)
+                    .singular_values
+                    .iter()
+                    .all(|x| x.is_nan())
+            );
             let found = symmetric_eigen(matrix).eigenvalues;
             assert!(found.iter().all(|x| x.is_nan()));
         }
         // Sizes at both ends of what a float holds.
         for size in [f64::MAX, f64::MIN_POSITIVE, 5e-324] {
-            let found = singular_values(DMatrix::from_element(30, 20, size));
+            let found = svd(DMatrix::from_element(30, 20, size), false, false).singular_values;
             assert_eq!(found.len(), 20);
         }
     }

@@ -5,9 +5,6 @@ use std::panic::resume_unwind;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{self, Builder};
 
-/// With fewer rows a thread takes longer to start than it helps.
-const ROWS: usize = 1024;
-
 /// Processors that there are.
 pub(crate) fn processors() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
@@ -39,10 +36,11 @@ pub fn each<T: Send, R: Send>(
     items: impl IntoIterator<Item = T>,
     work: impl Fn(T) -> R + Sync,
 ) -> Vec<R> {
-    match rows < ROWS {
-        true => items.into_iter().map(work).collect(),
-        false => each_long(items, work),
+    // With fewer rows a thread takes longer to start than it helps.
+    if rows < 1024 {
+        return items.into_iter().map(work).collect();
     }
+    each_long(items, work)
 }
 
 /// The same where an item is work for longer than a thread takes to start.

@@ -135,10 +135,10 @@ impl LinkBlocks {
                 map.columns(PER_LINK * k, PER_LINK) * column - &whole * column[0]
             })
             .collect();
-        match columns.is_empty() {
-            true => DMatrix::zeros(map.nrows(), 0),
-            false => DMatrix::from_columns(&columns),
+        if columns.is_empty() {
+            return DMatrix::zeros(map.nrows(), 0);
         }
+        DMatrix::from_columns(&columns)
     }
 }
 

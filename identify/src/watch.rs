@@ -93,6 +93,16 @@ pub fn tell(
     done: u64,
     total: impl Into<Option<u64>>,
 ) -> Result<(), Error> {
+    stopped(ask(watch, what, done, total))
+}
+
+/// Tell `watch` how far a call is; gives whether it wants the call stopped.
+pub(crate) fn ask(
+    watch: &mut (impl Watch + ?Sized),
+    what: &'static str,
+    done: u64,
+    total: impl Into<Option<u64>>,
+) -> ControlFlow<()> {
     let total = total.into();
-    stopped(watch.progress(Progress { what, done, total }))
+    watch.progress(Progress { what, done, total })
 }

@@ -5,12 +5,12 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use sesc_identify::logs::{LogSource, Options, PostureReader, Table};
-use sesc_identify::plan::balance::Region;
+use sesc_identify::plan::Region;
 use sesc_identify::plan::{self, COP_BOX, plan};
 use sesc_identify::predict::{self, predict};
 use sesc_identify::robot::Robot;
+use sesc_identify::robot::Stance;
 use sesc_identify::simulate::{self, simulate};
-use sesc_identify::stance::Stance;
 use sesc_identify::{Error, ErrorKind, Message, Progress, Setting, Watch};
 
 const OP2: &str = include_str!("../../robots/op2/op2.urdf");

@@ -6,11 +6,11 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use sesc::report::diagnose::{DiagnoseReport, page, text};
 use sesc_identify::Error;
+use sesc_identify::NextStep;
 use sesc_identify::diagnose::{self, Request, Verdict, corrected_urdf};
 use sesc_identify::files::NewFile;
 use sesc_identify::fit::prior::PriorChoice;
 use sesc_identify::logs::Recording;
-use sesc_identify::next_steps::NextStep;
 use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
 

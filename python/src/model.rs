@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use serde::Serialize;
 use sesc::inspect::{inspect, notes};
 use sesc::report::next_steps::{WithSteps, Worded};
-use sesc_identify::next_steps::NextStep;
+use sesc_identify::NextStep;
 use sesc_model::{self as model, Function, ModelFile};
 
 use crate::arrays::{Axis, Target, numbers};

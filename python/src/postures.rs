@@ -10,15 +10,15 @@ use sesc::report::{
 };
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
-use sesc_identify::hide::hide;
 use sesc_identify::logs::{PostureWriter, Row, Sidecar, Written};
-use sesc_identify::plan::balance::Region;
-use sesc_identify::plan::limits::Limits;
+use sesc_identify::plan::Limits;
+use sesc_identify::plan::Region;
 use sesc_identify::plan::{self, Request};
 use sesc_identify::predict::{self, predict};
+use sesc_identify::robot::Stance;
+use sesc_identify::simulate::hide;
 use sesc_identify::simulate::{self, simulate};
 use sesc_identify::skeleton::Skeleton;
-use sesc_identify::stance::Stance;
 
 use crate::calls::{Stopped, Waiting, detached, watched};
 use crate::errors::{Doing, During, Failure};

@@ -1,7 +1,7 @@
 //! Next steps as calls of Python: of a `robot`, with words in capitals for what is still to come.
 
 use sesc::report::next_steps::{self, Worded};
-use sesc_identify::next_steps::NextStep;
+use sesc_identify::NextStep;
 
 /// Steps in words, with their calls; `model` is how a call names a model file.
 pub fn worded<'s>(

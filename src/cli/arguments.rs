@@ -9,8 +9,7 @@ use sesc_identify::feet::Feet;
 use sesc_identify::fit::MotionModel;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::logs::{Angles, LogSource, Stays};
-use sesc_identify::robot::Robot;
-use sesc_identify::stance::Stance;
+use sesc_identify::robot::{Robot, Stance};
 use sesc_model::tree::sole_of;
 use sesc_model::{Model, ModelFile, Snapping};
 

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 use sesc_identify::files::write_all_if_changed;
-use sesc_identify::hide::hide;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate;
+use sesc_identify::simulate::hide;
 use sesc_model::Snapping;
 use sesc_model::text::minus;
 

@@ -15,9 +15,9 @@ use crate::Error;
 use crate::report::diagnose::{DiagnoseReport, ModelUse, page, text};
 use crate::report::unusable;
 use crate::servos;
+use sesc_identify::NextStep;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
 use sesc_identify::logs::{self, Recording};
-use sesc_identify::next_steps::NextStep;
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \

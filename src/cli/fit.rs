@@ -15,12 +15,12 @@ use super::{
 use crate::Error;
 use crate::report::fit::{self as report, FitReport, Shown, Unusable, page};
 use crate::report::unusable;
+use sesc_identify::NextStep;
 use sesc_identify::fit::Loss;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{self, Duplicates, Request};
 use sesc_identify::logs;
-use sesc_identify::next_steps::NextStep;
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \

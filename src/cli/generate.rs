@@ -8,8 +8,8 @@ use serde::Serialize;
 use sesc_codegen::Servos;
 use sesc_codegen::facts::Facts;
 use sesc_codegen::sources::{self, C99};
+use sesc_identify::NextStep;
 use sesc_identify::files::write_all_if_changed;
-use sesc_identify::next_steps::NextStep;
 use sesc_model::effects::EncoderMap;
 
 use super::outputs::{Files, Kind};

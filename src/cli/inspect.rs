@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use clap::Args;
 use sesc_codegen::emit::header::at_most;
-use sesc_identify::next_steps::NextStep;
+use sesc_identify::NextStep;
 use sesc_model::text::listed;
 use sesc_model::tree::{Snap, snapped};
 use sesc_model::{Function, Interface};

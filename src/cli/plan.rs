@@ -16,8 +16,8 @@ use sesc_identify::feet::Feet;
 use sesc_identify::files;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{PostureWriter, Written};
-use sesc_identify::plan::balance::Region;
-use sesc_identify::plan::limits::Limits;
+use sesc_identify::plan::Limits;
+use sesc_identify::plan::Region;
 use sesc_identify::plan::{Request, plan};
 use sesc_identify::skeleton::Skeleton;
 

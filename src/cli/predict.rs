@@ -12,9 +12,9 @@ use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, 
 use crate::Error;
 use crate::report::next_steps::{WithSteps, Worded};
 use sesc_identify::logs::{self, Angles, PREDICTED, PredictionWriter, Sidecar};
-use sesc_identify::next_steps::{Functions, NextStep};
 use sesc_identify::predict::{Predictor, Request, predict};
-use sesc_identify::stance::Stance;
+use sesc_identify::robot::Stance;
+use sesc_identify::{Functions, NextStep};
 
 /// CoM and CoP of every posture in a log
 #[derive(Args)]

@@ -10,8 +10,8 @@ use super::steps::About;
 use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, steps};
 use crate::Error;
 use crate::report::next_steps::Worded;
-use sesc_identify::hide::hide;
-use sesc_identify::next_steps::NextStep;
+use sesc_identify::NextStep;
+use sesc_identify::simulate::hide;
 use sesc_identify::simulate::{self, Request};
 
 /// Write a log of an ideal robot, in postures at rest or in motion, with CoP noise

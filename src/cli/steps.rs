@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use sesc_identify::next_steps::NextStep;
+use sesc_identify::NextStep;
 
 use super::outputs;
 use crate::report::next_steps::{self, Worded};
@@ -127,7 +127,7 @@ fn quoted(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sesc_identify::next_steps::Functions;
+    use sesc_identify::Functions;
 
     #[test]
     fn a_command_is_complete_and_has_the_new_option_alone() {

@@ -170,8 +170,7 @@ fn counted(pivots: &[f64], expected: usize) -> (usize, RankCheck) {
 mod tests {
     use super::*;
 
-    use sesc_identify::robot::Robot;
-    use sesc_identify::stance::Stance;
+    use sesc_identify::robot::{Robot, Stance};
 
     #[test]
     fn pivots_contradict_a_count_only_where_they_have_a_gap() {

@@ -6,7 +6,7 @@ use std::path::Path;
 use minijinja::{Value, context};
 use serde::Serialize;
 use sesc_identify::compare::{Change, Comparison};
-use sesc_identify::next_steps::{Functions, NextStep};
+use sesc_identify::{Functions, NextStep};
 use sesc_model::text::listed;
 
 use super::table::{in_words, wrapped_at};

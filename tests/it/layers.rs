@@ -22,7 +22,7 @@ const ROOMS: [(&str, &str); 5] = [
     ("codegen", "error routines facts seen emit sources builder"),
     (
         "identify",
-        "words next_steps error watch files threads svd logs xacro robot stance poses hide evaluate \
+        "words error watch files threads svd logs robot poses evaluate \
          tolerances observations feet simulate predict health lsq fit plan skeleton \
          diagnose compare fleet",
     ),

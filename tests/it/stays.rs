@@ -4,11 +4,11 @@
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
+use sesc_identify::NextStep;
 use sesc_identify::diagnose::Diagnosis;
 use sesc_identify::diagnose::{self, Verdict};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::logs::{LogSource, Stays};
-use sesc_identify::next_steps::NextStep;
 use sesc_reference::World;
 use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
 use sesc_test_support::stage::{Platform, Stage};

@@ -7,7 +7,7 @@ use sesc_model::{EffectRecord, ModelFile, Quantity};
 
 use super::problem::{ALL, Fit, Problem};
 use super::{stated, words};
-use crate::lsq::information::information;
+use crate::lsq::solve::information;
 
 /// Parameters as the masses' prior and the data have them, and every effect of
 /// the explanation `best` that a model can hold; the logs are added by the caller.

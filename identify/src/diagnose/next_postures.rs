@@ -12,12 +12,12 @@ use super::experiment::{Postures, Trial};
 use super::findings::{ExperimentProposal, Explained, Verdict};
 use super::hypothesis::Term;
 use super::problem::{Block, Fit, Problem};
-use crate::plan::balance::Region;
+use crate::plan::Limits;
+use crate::plan::Region;
 use crate::plan::candidates::sample;
-use crate::plan::geometry::Geometry;
-use crate::plan::limits::Limits;
-use crate::plan::order;
+use crate::plan::design::short_order;
 use crate::plan::scene::Scene;
+use crate::plan::shapes::Geometry;
 use crate::robot::Robot;
 
 /// Experiments, the best first, and the postures of the best.
@@ -218,7 +218,7 @@ fn with_postures(
         .iter()
         .flat_map(|&k| q[k * dof..(k + 1) * dof].iter().copied())
         .collect();
-    let order = order::shorten(&chosen, dof);
+    let order = short_order(&chosen, dof);
     let chosen: Vec<f64> = order
         .iter()
         .flat_map(|&k| chosen[k * dof..(k + 1) * dof].iter().copied())

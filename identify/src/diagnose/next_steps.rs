@@ -2,7 +2,7 @@
 
 use super::FREE_MASSES;
 use super::findings::{Diagnosis, Suspect, Verdict};
-use crate::next_steps::NextStep;
+use crate::NextStep;
 use crate::observations::revisits::Again;
 
 impl Diagnosis {

@@ -28,7 +28,7 @@ use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use crate::fit::prior::{Prior, Tolerances};
 use crate::lsq::factor_normal;
-use crate::lsq::information::Beyond;
+use crate::lsq::solve::Beyond;
 use crate::observations::correlation::Correlation;
 
 use crate::svd::svd;

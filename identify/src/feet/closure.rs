@@ -6,19 +6,40 @@
 //! ```
 //!
 //! S leaves out what soles and floor may be off by in every posture alike.
+//!
+//! # Noise
+//!
+//! ```text
+//! y_c = c + Σ_j slope_cj (δ_j + s_j q_j) + noise        c: height, roll, pitch
+//! σ_c = max(what this leaves, floor), at most a limit
+//! ```
+//!
+//! Offsets and scales of all joints take what any of them could; what they leave is noise:
+//! ticks of encoders, soles that give way. Beside it soles and floor are not exactly flat,
+//! the same in every posture: a tolerance common to all of them.
 
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 use sesc_model::Model;
 use sesc_model::effects::other_sole_by_joints;
 use sesc_model::tape::{Tape, Values};
+use sesc_model::tree::Dof;
 
-use super::criteria::closure::{CLEAR, MORE, NAMED, NO_SLOPE, UNKNOWN};
-use super::noise::{self, COMMON, ROWS};
 use super::other::OtherFoot;
-use super::soles::{ClosureFound, Lies, Offset};
 use crate::evaluate::FASTEST;
+use crate::observations::correlation::{Correlation, left};
 use crate::observations::criteria::AS_GOOD;
 use crate::observations::postures::rms;
+
+/// χ² from which a column is more than noise: five standard deviations. Chosen: by chance
+/// in one column of 1,700,000 (closed form); half of it in one of 2500.
+const CLEAR: f64 = 25.0;
+/// What an explanation leaves is more than noise from this part of it on. Chosen: half of
+/// it calls a fit of soles that bend a little unexplained.
+const MORE: f64 = 3.0;
+/// An offset that is known no better, rad or m, is not known. Chosen: 29°; half of it
+/// leaves offsets unnamed that soles do show.
+const UNKNOWN: f64 = 0.5;
 
 /// The equations of a log, posture by posture, and their noise.
 #[derive(Debug, Clone)]
@@ -38,15 +59,8 @@ pub(crate) struct Closure {
     /// Closure that CAD predicts, m, rad, rad.
     pub(super) values: Vec<f64>,
     /// Independent joints between the soles, and slopes by them, a column each.
-    pub(super) joints: Vec<Between>,
+    pub(super) joints: Vec<Dof>,
     pub(super) slopes: DMatrix<f64>,
-}
-
-/// An independent joint between the soles.
-#[derive(Debug, Clone)]
-pub(super) struct Between {
-    pub name: String,
-    prismatic: bool,
 }
 
 impl Closure {
@@ -58,7 +72,8 @@ impl Closure {
         let mut out = vec![0.0; n * tape.outputs()];
         tape.run(&[Values::PerPosture(q)], n, &mut out, FASTEST);
         let at = |row: usize, column: usize| out[row * (1 + dof) + column];
-        let moves = |j: &usize| (0..ROWS * n).any(|row| at(row, 1 + j).abs() > NO_SLOPE);
+        // Slopes are far above 1e-9 m/rad or rad/rad, or none.
+        let moves = |j: &usize| (0..ROWS * n).any(|row| at(row, 1 + j).abs() > 1e-9);
         let between: Vec<usize> = (0..dof).filter(moves).collect();
         let slopes = DMatrix::from_fn(ROWS * n, between.len(), |row, k| at(row, 1 + between[k]));
         let values: Vec<f64> = (0..ROWS * n).map(|row| at(row, 0)).collect();
@@ -66,7 +81,7 @@ impl Closure {
         let noise = [0, 1, 2].map(|row| {
             let own: Vec<f64> = values.iter().skip(row).step_by(ROWS).copied().collect();
             let of = DMatrix::from_fn(n, between.len(), |k, c| slopes[(ROWS * k + row, c)]);
-            noise::of(row, &own, &of, &positions, t)
+            noise_of(row, &own, &of, &positions, t)
         });
         let widened = noise.map(|noise| noise.rows_per_sample.sqrt());
         let dofs = &model.tree.dofs;
@@ -76,13 +91,7 @@ impl Closure {
             widened,
             from_log: noise.map(|noise| noise.from_log),
             support: model.support().to_string(),
-            joints: between
-                .into_iter()
-                .map(|index| Between {
-                    name: dofs[index].joint.clone(),
-                    prismatic: dofs[index].prismatic,
-                })
-                .collect(),
+            joints: between.iter().map(|index| dofs[*index].clone()).collect(),
             slopes,
             values,
             other,
@@ -102,10 +111,8 @@ impl Closure {
     /// Whitened residuals (0 − value)/σ of values of the equations.
     pub fn whitened(&self, values: impl Iterator<Item = f64>) -> DVector<f64> {
         let rows = values.enumerate();
-        DVector::from_iterator(
-            ROWS * self.len(),
-            rows.map(|(row, value)| -value * self.weight(row)),
-        )
+        let rows = rows.map(|(row, value)| -value * self.weight(row));
+        DVector::from_iterator(ROWS * self.len(), rows)
     }
 
     /// `S x`: whitened columns without what may be common to all postures.
@@ -142,34 +149,24 @@ impl Closure {
 
     /// RMS of whitened residuals in their own units.
     pub fn lies(&self, residual: &DVector<f64>) -> Lies {
-        let [height_m, roll_rad, pitch_rad] = [0, 1, 2].map(|row| {
+        Lies::from([0, 1, 2].map(|row| {
             let own = residual.iter().skip(row).step_by(ROWS);
             rms(own.map(|e| e * self.std[row]))
-        });
-        Lies {
-            roll_rad,
-            pitch_rad,
-            height_m,
-        }
+        }))
     }
 
     /// What is said where an explanation leaves `after` of what CAD leaves.
     pub fn said(&self, before: &DVector<f64>, after: &DVector<f64>) -> ClosureFound {
         let (chi2, expected) = self.chi2(after);
-        let noise = |of: &dyn Fn(usize) -> f64| Lies {
-            height_m: of(0),
-            roll_rad: of(1),
-            pitch_rad: of(2),
-        };
         ClosureFound {
             support: self.support.clone(),
             other_foot: self.other.name.clone(),
             postures: self.len(),
             before: self.lies(before),
             after: self.lies(after),
-            noise: noise(&|row| self.std[row] / self.widened[row]),
+            noise: Lies::from([0, 1, 2].map(|row| self.std[row] / self.widened[row])),
             noise_from_log: self.from_log.iter().any(|own| *own),
-            tolerance: noise(&|row| self.common[row]),
+            tolerance: Lies::from(self.common),
             chi2,
             expected,
             closes: chi2 <= MORE * expected,
@@ -198,25 +195,16 @@ impl Closure {
             let offset = whole.column(k).dot(rest) / square;
             let joint = &self.joints[k];
             let std = 1.0 / square.sqrt();
-            let found = Offset::new(joint.name.clone(), joint.prismatic, offset, std);
+            let found = Offset::new(joint, offset, std);
             (offset * offset * square, k, found)
         };
         let all = (0..self.joints.len()).map(of).collect();
         (whole, all)
     }
 
-    /// Whether the soles close as CAD has them: what is said of it, with the joints whose
-    /// offsets explain where they do not.
-    pub fn of_cad(&self) -> ClosureFound {
-        self.found_by("CAD")
-    }
-
-    /// The same where joint positions are those of a model file.
-    pub fn of_model(&self) -> ClosureFound {
-        self.found_by("the model file")
-    }
-
-    fn found_by(&self, source: &str) -> ClosureFound {
+    /// Whether the soles close as joint positions are by their `source`, CAD or the model file:
+    /// what is said of it, with the joints whose offsets explain where they do not.
+    pub fn found_by(&self, source: &str) -> ClosureFound {
         let residual = self.whitened(self.values.iter().copied());
         let rest = self.without_common_of(&residual);
         let (whole, mut offsets) = self.offsets(&rest);
@@ -232,10 +220,265 @@ impl Closure {
         found.closes &= !clear;
         if clear {
             offsets.retain(|(gain, ..)| *gain > best - AS_GOOD);
-            offsets.truncate(NAMED);
+            offsets.truncate(4);
             found.explained_by = offsets.into_iter().map(|(.., offset)| offset).collect();
         }
         found.sentence = found.of_joints(left, source);
         found
+    }
+}
+
+/// Equations per posture: height (m), roll and pitch (rad) of the other sole.
+pub const ROWS: usize = 3;
+/// Noise of a posture is no smaller, m, rad, rad: ticks of encoders add up to about as much.
+pub(super) const FLOOR: [f64; ROWS] = [3e-4, 1e-3, 1e-3];
+/// … and no larger: soles that move more than this do not stand flat.
+pub(super) const LIMIT: [f64; ROWS] = [5e-3, 0.02, 0.02];
+/// Soles and floor are flat and parallel to this, m, rad, rad.
+pub(super) const COMMON: [f64; ROWS] = [1e-3, 2.5e-3, 2.5e-3];
+/// Noise of one equation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Noise {
+    /// Standard deviation of a posture.
+    pub std: f64,
+    /// Whether the log has it: else it is the floor, or the limit.
+    pub from_log: bool,
+    /// Postures per independent one.
+    pub rows_per_sample: f64,
+}
+
+/// Noise of equation `row` from its values in every posture and its slopes by every joint
+/// that moves the sole, at positions `q` of those joints.
+pub(super) fn noise_of(
+    row: usize,
+    values: &[f64],
+    slopes: &DMatrix<f64>,
+    q: &DMatrix<f64>,
+    t: Option<&[f64]>,
+) -> Noise {
+    let n = values.len();
+    let joints = slopes.ncols();
+    let y = DVector::from_column_slice(values);
+    let columns = |count: usize| {
+        DMatrix::from_fn(n, count, |k, c| match c {
+            0 => 1.0,
+            c if c <= joints => slopes[(k, c - 1)],
+            c => slopes[(k, c - 1 - joints)] * q[(k, c - 1 - joints)],
+        })
+    };
+    let counts = [1 + 2 * joints, 1 + joints];
+    // Two postures a column leave noise.
+    let count = counts.into_iter().find(|count| n >= 2 * count);
+    let Some(x) = count.map(columns) else {
+        return Noise {
+            std: FLOOR[row],
+            from_log: false,
+            rows_per_sample: 1.0,
+        };
+    };
+    let (square, _) = left(&x, &y);
+    let std = square.sqrt();
+    let known = if std.is_finite() { std } else { LIMIT[row] };
+    let correlation = match t {
+        Some(t) => Correlation::of(t, &y, &x),
+        None => Correlation::NONE,
+    };
+    Noise {
+        std: known.clamp(FLOOR[row], LIMIT[row]),
+        from_log: (FLOOR[row]..=LIMIT[row]).contains(&known),
+        rows_per_sample: correlation.rows_per_sample,
+    }
+}
+
+/// How a sole lies on the floor, or how well that is known.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Lies {
+    /// Roll, rad.
+    pub roll_rad: f64,
+    /// Pitch, rad.
+    pub pitch_rad: f64,
+    /// Height over the floor, m.
+    pub height_m: f64,
+}
+
+impl From<[f64; ROWS]> for Lies {
+    fn from([height_m, roll_rad, pitch_rad]: [f64; ROWS]) -> Lies {
+        Lies {
+            roll_rad,
+            pitch_rad,
+            height_m,
+        }
+    }
+}
+
+impl Lies {
+    /// `1.52° of roll, 0.31° of pitch and 3.1 mm of height`
+    pub fn sentence(&self) -> String {
+        format!(
+            "{:.2}° of roll, {:.2}° of pitch and {:.1} mm of height",
+            self.roll_rad.to_degrees(),
+            self.pitch_rad.to_degrees(),
+            1e3 * self.height_m
+        )
+    }
+}
+
+/// What an encoder is off by.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Offset {
+    /// The joint.
+    pub joint: String,
+    /// Offset of a revolute joint, rad.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_rad: Option<f64>,
+    /// Offset of a prismatic joint, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_m: Option<f64>,
+    /// Its standard deviation, rad or m.
+    pub std: f64,
+}
+
+impl Offset {
+    pub(super) fn new(joint: &Dof, offset: f64, std: f64) -> Offset {
+        Offset {
+            joint: joint.joint.clone(),
+            offset_rad: (!joint.prismatic).then_some(offset),
+            offset_m: joint.prismatic.then_some(offset),
+            std,
+        }
+    }
+
+    /// rad or m
+    pub(super) fn value(&self) -> f64 {
+        self.offset_rad.or(self.offset_m).unwrap_or(0.0)
+    }
+
+    /// `1.49° of l_knee`
+    fn sentence(&self) -> String {
+        match self.offset_rad {
+            Some(offset) => format!("{:.2}° of {}", offset.to_degrees(), self.joint),
+            None => format!("{:.1} mm of {}", 1e3 * self.value(), self.joint),
+        }
+    }
+}
+
+/// How two soles of a log of both feet close.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ClosureFound {
+    /// Link whose sole is the floor.
+    pub support: String,
+    /// Link of the other sole.
+    pub other_foot: String,
+    /// Postures that were looked at.
+    pub postures: usize,
+    /// RMS of roll, pitch, height by CAD.
+    pub before: Lies,
+    /// The same with the explanation.
+    pub after: Lies,
+    /// Standard deviation in one posture.
+    pub noise: Lies,
+    /// Whether the log has this noise; else it is the least that is believed.
+    pub noise_from_log: bool,
+    /// Tolerance in every posture alike.
+    pub tolerance: Lies,
+    /// χ² of what the explanation leaves.
+    pub chi2: f64,
+    /// χ² that noise leaves.
+    pub expected: f64,
+    /// Whether only noise is left.
+    pub closes: bool,
+    /// Joints whose offset alone explains it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub explained_by: Vec<Offset>,
+    /// The whole in words.
+    pub sentence: String,
+}
+
+impl ClosureFound {
+    /// Returns the one of two logs whose soles lie worse.
+    #[doc(hidden)]
+    pub fn worse(self, other: ClosureFound) -> ClosureFound {
+        let ratio = |found: &ClosureFound| {
+            let open = if found.closes { 0.0 } else { 1e9 };
+            open + found.chi2 / found.expected.max(1.0)
+        };
+        if ratio(&other) > ratio(&self) {
+            other
+        } else {
+            self
+        }
+    }
+
+    /// What no log gives, in a file that was read.
+    pub(crate) fn invalid_reason(&self) -> Option<String> {
+        let lies = [&self.before, &self.after, &self.noise, &self.tolerance];
+        let sizes = lies.map(|lies| [lies.roll_rad, lies.pitch_rad, lies.height_m]);
+        let sizes = sizes.into_iter().flatten();
+        let numbers = sizes.chain([self.chi2, self.expected]);
+        let of_joints = self.explained_by.iter().map(|offset| offset.value().abs());
+        let valid = numbers.chain(of_joints).all(|x| (0.0..=1e30).contains(&x))
+            && self.sentence.len() <= 10_000;
+        (!valid).then(|| "`closure` that no log gives".to_string())
+    }
+
+    /// `The soles of r_sole and l_sole are 1.52° of roll … apart by CAD`
+    fn apart(&self, by: &str) -> String {
+        format!(
+            "By {by} the sole of {} is {} RMS off that of {}",
+            self.other_foot,
+            self.before.sentence(),
+            self.support
+        )
+    }
+
+    /// What a fit says, which can do nothing about it; `left`: the best offset leaves more
+    /// than noise, `by`: who has the joints there.
+    pub(super) fn of_joints(&self, left: bool, by: &str) -> String {
+        if self.closes {
+            return format!(
+                "{}, as noise and the flatness of soles allow.",
+                self.apart(by)
+            );
+        }
+        let Some(first) = self.explained_by.first() else {
+            return format!(
+                "{}, and no offset of one joint explains it: check that both soles are flat on \
+                 one floor and that their frames lie in them, z up.",
+                self.apart(by)
+            );
+        };
+        let others = self.explained_by.iter().skip(1).map(Offset::sentence);
+        let others: Vec<String> = others.collect();
+        let or = match others.is_empty() {
+            true => String::new(),
+            false => format!(" (or {})", others.join(", or ")),
+        };
+        let most = if left { "most of it" } else { "it" };
+        format!(
+            "{}: an offset of {}{or} explains {most}, which bends the legs and moves the CoM.",
+            self.apart(by),
+            first.sentence()
+        )
+    }
+
+    /// What a diagnosis says, whose explanation leaves `after`; `changed` where there is one.
+    #[doc(hidden)]
+    pub fn explained(mut self, changed: bool) -> ClosureFound {
+        let apart = self.apart("CAD");
+        let flat = "check that both soles are flat on one floor, and that their frames lie in \
+                    them, z up";
+        self.sentence = match (self.closes, changed) {
+            (true, false) => format!("{apart}, as noise and the flatness of soles allow."),
+            (true, true) => format!("{apart}, {} with it.", self.after.sentence()),
+            (false, false) => format!("{apart}, which noise does not explain: {flat}."),
+            (false, true) => format!(
+                "{apart}, still {} with it, which noise does not explain: {flat}.",
+                self.after.sentence()
+            ),
+        };
+        self
     }
 }

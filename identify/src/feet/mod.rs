@@ -9,21 +9,13 @@
 //! pitch (rad) of the other sole. What an encoder is off by shows in them.
 
 mod closure;
-mod criteria;
-mod noise;
-mod one_foot;
 mod other;
-mod places;
-mod soles;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use closure::Closure;
-pub(crate) use noise::ROWS;
-pub(crate) use one_foot::of_one_foot;
+pub(crate) use closure::{Closure, ROWS};
+pub use closure::{ClosureFound, Lies, Offset};
 pub use other::Feet;
 #[doc(hidden)]
 pub use other::OtherFoot;
-pub(crate) use other::of_many;
-pub(crate) use places::{Places, tell_contacts};
-pub use soles::{ClosureFound, Lies, Offset};
+pub(crate) use other::{Places, of_many, of_one_foot, tell_contacts};

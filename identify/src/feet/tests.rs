@@ -50,7 +50,7 @@ fn the_other_sole_lies_where_the_reference_has_it() {
             }
             for (column, joint) in closure.joints.iter().enumerate() {
                 let mut dofs = model.tree.dofs.iter();
-                let place = dofs.position(|dof| dof.joint == joint.name).unwrap();
+                let place = dofs.position(|dof| dof.joint == joint.joint).unwrap();
                 let [ahead, behind] = [1e-5, -1e-5].map(|by| {
                     let mut moved = q.to_vec();
                     moved[place] += by;
@@ -176,9 +176,9 @@ fn an_offset_is_told_by_the_soles_alone() {
         q
     };
     let log = |off: f64| -> Vec<f64> { (0..40).flat_map(|k| posture(k, off)).collect() };
-    let found = Closure::of(&model, other(), &log(0.0), None).of_cad();
+    let found = Closure::of(&model, other(), &log(0.0), None).found_by("CAD");
     assert!(found.closes && found.explained_by.is_empty(), "{found:?}");
-    let found = Closure::of(&model, other(), &log(0.03), None).of_cad();
+    let found = Closure::of(&model, other(), &log(0.03), None).found_by("CAD");
     assert!(!found.closes, "{found:?}");
     assert!((found.before.pitch_rad - 0.03).abs() < 1e-4, "{found:?}");
     assert!(found.before.roll_rad < 1e-12, "{found:?}");

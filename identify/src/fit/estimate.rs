@@ -15,7 +15,7 @@ use super::summary::{
 };
 
 use crate::health;
-use crate::lsq::information::{Beyond, information, of_rows};
+use crate::lsq::solve::{Beyond, information, of_rows};
 use crate::observations::criteria::repeats::UNLIKELY;
 use crate::observations::noise::{FreeResiduals, Noise, NoiseSource, widening};
 

@@ -8,8 +8,8 @@
 use std::sync::Arc;
 
 use super::log::{Log, each_once, name_of_log, without_path};
-use super::options::{Only, Options};
 use super::row::Row;
+use super::{Only, Options};
 use crate::diagnose::diagnose;
 use crate::fit::part::Part;
 use crate::fit::prior::{Prior, PriorChoice};
@@ -19,11 +19,6 @@ use crate::logs::{Block, LogSource, Options as Reading, PostureReader, Readings,
 use crate::robot::Robot;
 use crate::watch::Watch;
 use crate::{Error, ErrorKind, Message, diagnose as diagnosis, fit as fitting};
-
-/// More rows than a log has.
-const WHOLE: usize = usize::MAX / 2;
-/// Time between two logs of a group, s: longer than any correlation between their readings.
-const PAUSE_S: f64 = 3600.0;
 
 /// A log and the link on the ground in rows that do not say.
 struct Standing {
@@ -121,10 +116,9 @@ impl Evaluation<'_> {
                 let read = each(logs, noted, |log| self.read(&log.log))?;
                 (logs, blocks) = read.into_iter().unzip();
             }
-            match self.diagnose(&logs, blocks, support, row, watch) {
-                Ok(true) => {}
-                Ok(false) => return Ok(()),
-                Err(error) => return noted(error),
+            let usable = self.diagnose(&logs, blocks, support, row, watch);
+            if !usable.or_else(|error| noted(error).map(|()| false))? {
+                return Ok(());
             }
         }
         let parts = each(logs, noted, |log| self.gather(log, support, true, watch))?;
@@ -142,15 +136,12 @@ impl Evaluation<'_> {
                     }
                 }
             }
-            let merged = match &mut whole {
-                None => {
-                    whole = Some(part);
-                    Ok(())
+            if let Some(whole) = &mut whole {
+                if let Err(error) = whole.merge(part, &log.name) {
+                    return noted(error);
                 }
-                Some(whole) => whole.merge(part, &log.name),
-            };
-            if let Err(error) = merged {
-                return noted(error);
+            } else {
+                whole = Some(part);
             }
         }
         let fitted = whole.map_or(Ok(()), |whole| self.fit(support, whole, row, watch));
@@ -188,7 +179,7 @@ impl Evaluation<'_> {
     /// All rows of a log, with what of its sidecar is about them.
     fn read(&self, log: &LogSource) -> Result<(Sidecar, Block), Error> {
         let mut reader = self.open(log)?;
-        let block = reader.block(WHOLE)?;
+        let block = reader.block(usize::MAX / 2)?;
         let sidecar = Sidecar {
             robot: None,
             support: None,
@@ -318,7 +309,8 @@ impl Evaluation<'_> {
                 let start = t.first().copied().unwrap_or(0.0);
                 let from = later.unwrap_or(start);
                 t.iter_mut().for_each(|t| *t = *t - start + from);
-                later = t.iter().copied().reduce(f64::max).map(|t| t + PAUSE_S);
+                // An hour is longer than any correlation between readings.
+                later = t.iter().copied().reduce(f64::max).map(|t| t + 3600.0);
             }
         }
         let std = column(&mut blocks, "standard deviations", |b| b.std.take())?;

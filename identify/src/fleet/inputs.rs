@@ -33,8 +33,6 @@ use crate::logs::delimiter;
 const ENDINGS: [&str; 4] = [".csv.gz", ".csv", ".parquet", ".mcap"];
 /// Endings of sidecars and URDFs, which a pattern such as `**/*` would take for logs.
 const ASIDE: [&str; 3] = [".toml", ".urdf", ".xacro"];
-/// Largest list or manifest, MiB.
-const LIST: u64 = 1024;
 /// The key that is made of the day, and the day.
 const WEEK: &str = "week";
 const DAY: &str = "day";
@@ -98,16 +96,14 @@ impl Input {
                 ))
             })?;
         }
-        let day = match keys.len() {
-            0 | 1 => String::new(),
-            _ => keys.pop().unwrap_or_default(),
-        };
+        let mut day = String::new();
+        if keys.len() > 1 {
+            day = keys.pop().unwrap_or_default();
+        }
         Ok(Input {
             robot: keys.join("/"),
             day,
-            urdf: told("urdf")
-                .map(PathBuf::from)
-                .or_else(|| urdf_beside(&path)),
+            urdf: told("urdf").map_or_else(|| urdf_beside(&path), |urdf| Some(urdf.into())),
             support: told("support"),
             path,
         })
@@ -118,9 +114,8 @@ impl Input {
 fn partitions(path: &Path) -> BTreeMap<String, String> {
     let folders = path.parent().into_iter().flat_map(Path::components);
     let folders = folders.filter_map(|part| part.as_os_str().to_str()?.split_once('='));
-    folders
-        .map(|(key, value)| (unescaped(key), unescaped(value)))
-        .collect()
+    let plain = |(key, value)| (unescaped(key), unescaped(value));
+    folders.map(plain).collect()
 }
 
 /// A text with `%C3` for its byte, as Spark and Hive write names of folders; what comes to no
@@ -194,12 +189,12 @@ fn iso_week(day: &str) -> Option<String> {
 /// Only files of this machine are read.
 fn check_is_here(path: &Path) -> Result<(), Error> {
     let path = path.to_string_lossy();
-    match path.contains("://") {
-        true => Err(Error::request(format!(
-            "{path}: a fleet reads the files of this machine; mount the store, or copy its logs"
-        ))),
-        false => Ok(()),
+    if !path.contains("://") {
+        return Ok(());
     }
+    Err(Error::request(format!(
+        "{path}: a fleet reads the files of this machine; mount the store, or copy its logs"
+    )))
 }
 
 /// All logs that `data` names. The last of `by` is the day, those before it the robot.
@@ -234,7 +229,7 @@ pub fn inputs(data: &[String], by: &[String]) -> Result<Vec<Input>, Error> {
 }
 
 fn read_list(path: &Path) -> Result<String, Error> {
-    files::read_text(path, LIST).map_err(|error| Error::read(path.display().to_string(), error))
+    files::read_text(path, 1024).map_err(|error| Error::read(path.display().to_string(), error))
 }
 
 /// A path that a list or manifest names.
@@ -338,12 +333,9 @@ fn expanded(item: &str) -> Result<Vec<PathBuf>, Error> {
     }
     found.retain(|path| !ends(path, &ASIDE));
     if plain == 0 {
-        let bare = |path: PathBuf| {
-            path.strip_prefix(".")
-                .map(Path::to_path_buf)
-                .unwrap_or(path)
-        };
-        found = found.into_iter().map(bare).collect();
+        for path in &mut found {
+            *path = path.strip_prefix(".").unwrap_or(path).to_path_buf();
+        }
     }
     if found.is_empty() {
         let what = "no file has such a name; quote the pattern, so that the shell leaves it alone";

@@ -18,19 +18,16 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::Options;
 use super::inputs::Group;
-use super::options::Options;
 use super::row::{Row, by_number};
-use super::summary::criteria::ROBOTS;
+use super::summary::ROBOTS;
 use crate::Error;
 use crate::diagnose::FREE_MASSES;
 use crate::fit::population::Population;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::robot::Robot;
 use crate::svd::svd;
-
-/// Steps; each narrows Σ, so that fewer only leave it wider.
-const STEPS: usize = 30;
 
 /// What the data of one robot say, prior taken off.
 struct Said {
@@ -44,13 +41,13 @@ struct Said {
 /// When they are of fewer than five robots.
 pub fn check_population(groups: &[Group]) -> Result<(), Error> {
     let robots: BTreeSet<&str> = groups.iter().map(|group| group.robot.as_str()).collect();
-    match robots.len() < ROBOTS {
-        true => Err(Error::request(format!(
-            "the logs are of {} robots; a population needs {ROBOTS}",
-            robots.len()
-        ))),
-        false => Ok(()),
+    if robots.len() >= ROBOTS {
+        return Ok(());
     }
+    Err(Error::request(format!(
+        "the logs are of {} robots; a population needs {ROBOTS}",
+        robots.len()
+    )))
 }
 
 /// The population of all rows of `robot`'s URDF that were made with these options, which have
@@ -92,8 +89,8 @@ pub fn population(
     })?;
     let centre = prior.centre(&model);
     let inverse = pseudo_inverse(&spread);
-    let said: Vec<Said> = robots
-        .values()
+    let days = robots.values();
+    let said: Vec<Said> = days
         .filter_map(|days| said(days, &centre, &inverse))
         .collect();
     if said.len() < ROBOTS {
@@ -108,7 +105,7 @@ pub fn population(
         support: support.to_string(),
         robots: said.len(),
         names: model.base.params.iter().map(|p| p.name.clone()).collect(),
-        mean: mean.iter().copied().collect(),
+        mean: mean.as_slice().to_vec(),
         covariance: covariance
             .row_iter()
             .map(|row| row.iter().copied().collect())
@@ -179,7 +176,8 @@ fn spread_of(robots: &[Said], m: usize) -> Option<(DVector<f64>, DMatrix<f64>)> 
     let count = robots.len() as f64;
     let mut mean = DVector::zeros(m);
     let mut covariance = DMatrix::<f64>::identity(m, m);
-    for _ in 0..STEPS {
+    // Each narrows Σ, so that fewer only leave it wider.
+    for _ in 0..30 {
         let before = covariance.clone().cholesky()?.inverse();
         let known = &before * &mean;
         let mut told = Vec::with_capacity(robots.len());
@@ -196,9 +194,8 @@ fn spread_of(robots: &[Said], m: usize) -> Option<(DVector<f64>, DMatrix<f64>)> 
         }
         covariance = within / count;
     }
-    let learnt = covariance
-        .diagonal()
-        .map(|value| value * (1.0 - value).max(0.0));
+    let learnt = covariance.diagonal();
+    let learnt = learnt.map(|value| value * (1.0 - value).max(0.0));
     covariance *= 1.0 + 1.0 / count;
     covariance += DMatrix::from_diagonal(&(learnt * (m as f64 / count)));
     Some((mean, covariance))

@@ -1,15 +1,26 @@
-//! What one robot on one day comes to.
+//! The row of one robot on one day, and the table of all rows.
+//!
+//! The table is Parquet that pandas, Polars, DuckDB and Spark read, or CSV; the same rows give the
+//! same bytes. Memory holds one group of rows.
+//!
+//! Lists are lists in Parquet and JSON texts in CSV; `effects` and `health` are JSON texts in
+//! both.
 
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+use std::path::Path;
 
 use nalgebra::DMatrix;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 use sesc_model::effects::Fitted;
 
+use crate::Error;
 use crate::diagnose::words::{NamedValue, named};
 use crate::diagnose::{Diagnosis, Step, Verdict};
+use crate::files::{self, NewFile};
 use crate::fit::Identification;
 use crate::health::{Finding, Kind};
 
@@ -54,31 +65,20 @@ impl Absent {
 
     /// How far from there a size is: a factor less one, the inverse of a stiffness.
     fn away(self, size: Size) -> Size {
-        match self {
-            Absent::One => Size {
-                value: size.value - 1.0,
-                ..size
-            },
-            Absent::Infinite => self.inverse(size),
-        }
+        self.moved(size, -1.0)
     }
 
     /// The size that is so far from there.
     pub(super) fn back(self, away: Size) -> Size {
-        match self {
-            Absent::One => Size {
-                value: away.value + 1.0,
-                ..away
-            },
-            Absent::Infinite => self.inverse(away),
-        }
+        self.moved(away, 1.0)
     }
 
-    fn inverse(self, size: Size) -> Size {
-        Size {
-            value: 1.0 / size.value,
-            std: size.std / (size.value * size.value),
-        }
+    fn moved(self, Size { value, std }: Size, by: f64) -> Size {
+        let (value, std) = match self {
+            Absent::One => (value + by, std),
+            Absent::Infinite => (1.0 / value, std / (value * value)),
+        };
+        Size { value, std }
     }
 }
 
@@ -137,37 +137,25 @@ impl EffectFound {
 /// The order of robots and days: runs of digits by their number, all else as text, so that
 /// `day=9` is before `day=10`, and dates such as `2031-05-01` stay in their order.
 pub(super) fn by_number(a: &str, b: &str) -> Ordering {
-    let (mut left, mut right) = (a, b);
-    loop {
-        let (own, other) = (digits(left), digits(right));
-        let of_first = match (own.is_empty(), other.is_empty()) {
-            (false, false) => {
-                (left, right) = (&left[own.len()..], &right[other.len()..]);
-                let own = own.trim_start_matches('0');
-                let other = other.trim_start_matches('0');
-                own.len().cmp(&other.len()).then_with(|| own.cmp(other))
-            }
-            _ => {
-                let (mut rest, mut rest_of_other) = (left.chars(), right.chars());
-                let pair = (rest.next(), rest_of_other.next());
-                (left, right) = (rest.as_str(), rest_of_other.as_str());
-                match pair {
-                    // The same but for leading zeros.
-                    (None, None) => return a.cmp(b),
-                    (one, another) => one.cmp(&another),
-                }
-            }
-        };
-        if of_first.is_ne() {
-            return of_first;
+    let is_digit = |x: &u8| x.is_ascii_digit();
+    let runs = |text: &str| -> Vec<Vec<u8>> {
+        let runs = text.as_bytes().chunk_by(|x, y| is_digit(x) && is_digit(y));
+        runs.map(<[u8]>::to_vec).collect()
+    };
+    let (own, other) = (runs(a), runs(b));
+    for (x, y) in own.iter().zip(&other) {
+        let mut order = x.cmp(y);
+        if is_digit(&x[0]) && is_digit(&y[0]) {
+            let zeros = |x: &[u8]| x.iter().take_while(|digit| **digit == b'0').count();
+            let (x, y) = (&x[zeros(x)..], &y[zeros(y)..]);
+            order = x.len().cmp(&y.len()).then_with(|| x.cmp(y));
+        }
+        if order.is_ne() {
+            return order;
         }
     }
-}
-
-/// The digits that a text begins with.
-fn digits(text: &str) -> &str {
-    let end = text.find(|c: char| !c.is_ascii_digit());
-    &text[..end.unwrap_or(text.len())]
+    // The same but for leading zeros.
+    own.len().cmp(&other.len()).then_with(|| a.cmp(b))
 }
 
 /// One row of the fleet's table: a robot on a day.
@@ -220,9 +208,6 @@ pub struct Row {
     pub covariance: Vec<f64>,
 }
 
-/// No parameter, deviation or size of an effect is as large, in any unit.
-const BEYOND: f64 = 1e100;
-
 /// What the sentence of a row says that was fitted alone.
 const FITTED: &str = "Parameters alone were asked for: no diagnosis was made.";
 
@@ -240,18 +225,17 @@ impl Row {
     /// Whether numbers are such as data give: finite, of lists that belong together, deviations
     /// not negative. A file may hold others.
     pub(super) fn is_whole(&self) -> bool {
-        let is_sound = |x: &f64| x.abs() < BEYOND;
-        let is_deviation = |x: &f64| (0.0..BEYOND).contains(x);
+        // In any unit nothing is as large.
+        let is_sound = |x: &f64| x.abs() < 1e100;
+        let is_deviation = |x: &f64| (0.0..1e100).contains(x);
         let of_effect = |found: &EffectFound| {
             let mut sizes = found.parameters.values();
             found.evidence.is_finite()
                 && sizes.all(|size| is_sound(&size.value) && is_deviation(&size.std))
         };
         let n = self.params.len();
-        let mut deviations = self
-            .std
-            .iter()
-            .chain([&self.noise_floor, &self.held_out_rmse]);
+        let floors = [&self.noise_floor, &self.held_out_rmse];
+        let mut deviations = self.std.iter().chain(floors);
         self.std.len() == n
             && (self.covariance.is_empty() || self.covariance.len() == n * (n + 1) / 2)
             && self.params.iter().chain(&self.covariance).all(is_sound)
@@ -321,12 +305,8 @@ impl Row {
             self.sentence = format!("{} {STUCK}", finding.sentence);
             return;
         }
-        let mut instead: Vec<Vec<String>> = diagnosis
-            .indistinguishable
-            .iter()
-            .skip(1)
-            .cloned()
-            .collect();
+        let others = diagnosis.indistinguishable.iter().skip(1);
+        let mut instead: Vec<Vec<String>> = others.cloned().collect();
         let steps = diagnosis.steps.iter();
         let effects = steps.map(|step| EffectFound::of(step, std::mem::take(&mut instead)));
         self.effects = effects.collect();
@@ -347,10 +327,219 @@ fn verdict_of_name<'de, D: Deserializer<'de>>(
     if name.is_empty() {
         return Ok(None);
     }
-    let known = Verdict::from_name(&name);
-    known
-        .map(Some)
-        .ok_or_else(|| D::Error::custom(format!("`{name}` is no verdict")))
+    let unknown = || D::Error::custom(format!("`{name}` is no verdict"));
+    Verdict::from_name(&name).map(Some).ok_or_else(unknown)
+}
+
+/// The columns, in their order.
+pub const COLUMNS: [&str; 17] = [
+    "robot",
+    "day",
+    "urdf_hash",
+    "support",
+    "postures",
+    "independent",
+    "noise_floor",
+    "held_out_rmse",
+    "verdict",
+    "sentence",
+    "effects",
+    "health",
+    "params",
+    "std",
+    "inputs",
+    "error",
+    "version",
+];
+
+/// A row's values in the order of the columns.
+fn cells(row: &Row) -> [Value; COLUMNS.len()] {
+    let mut all = serde_json::to_value(row).unwrap_or_default();
+    let text = |list: serde_json::Result<String>| list.unwrap_or_default().into();
+    COLUMNS.map(|column| match column {
+        "effects" => text(serde_json::to_string(&row.effects)),
+        "health" => text(serde_json::to_string(&row.health)),
+        _ => all[column].take(),
+    })
+}
+
+/// The rows sorted by robot and day, URDF and support; a robot that has several URDFs is told so
+/// in a sentence of its rows.
+pub(super) fn assembled(mut rows: Vec<Row>) -> Vec<Row> {
+    rows.sort_by(|a, b| {
+        let urdf = |row: &Row| [&row.urdf_hash, &row.support].map(String::clone);
+        by_number(&a.robot, &b.robot)
+            .then_with(|| by_number(&a.day, &b.day))
+            .then_with(|| urdf(a).cmp(&urdf(b)))
+    });
+    let mut urdfs: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for row in rows.iter().filter(|row| !row.urdf_hash.is_empty()) {
+        let hashes = urdfs.entry(row.robot.clone()).or_default();
+        hashes.insert(row.urdf_hash.clone());
+    }
+    for row in &mut rows {
+        let count = urdfs.get(&row.robot).map_or(0, BTreeSet::len);
+        if count > 1 {
+            let space = if row.sentence.is_empty() { "" } else { " " };
+            row.sentence += &format!(
+                "{space}This robot has {count} URDFs among its days; this row is of URDF {}, and \
+                 rows of different URDFs are not compared.",
+                row.urdf_hash
+            );
+        }
+    }
+    rows
+}
+
+/// Whether a table can be written under this name, before long work.
+///
+/// # Errors
+/// When its end is neither `.parquet` nor `.csv`, or this build has no Parquet.
+pub fn check_table(path: &Path) -> Result<(), Error> {
+    let file = path.display();
+    match path.extension().and_then(|end| end.to_str()) {
+        Some("csv") => Ok(()),
+        #[cfg(feature = "parquet")]
+        Some("parquet") => Ok(()),
+        #[cfg(not(feature = "parquet"))]
+        Some("parquet") => Err(Error::without("parquet", "Parquet", &file.to_string())),
+        _ => Err(Error::request(format!(
+            "{file}: the fleet's table is written as .parquet or .csv"
+        ))),
+    }
+}
+
+/// Write the table, as the end of its name says. It appears whole or not at all.
+///
+/// # Errors
+/// As [`check_table`], and when the file cannot be written.
+pub fn write(path: &Path, rows: &[Row]) -> Result<(), Error> {
+    check_table(path)?;
+    #[cfg(feature = "parquet")]
+    if path.extension().is_some_and(|end| end == "parquet") {
+        return parquet::write(path, rows);
+    }
+    let failed = |error: csv::Error| files::failed(path, io::Error::other(error));
+    let mut writer = csv::Writer::from_writer(NewFile::create(path)?);
+    writer.write_record(COLUMNS).map_err(failed)?;
+    for row in rows {
+        let record = cells(row).map(|cell| match cell {
+            Value::Null => String::new(),
+            Value::String(text) => text,
+            // Without an exponent, as numbers of CSV logs.
+            Value::Number(x) if x.is_f64() => x.as_f64().unwrap_or(f64::NAN).to_string(),
+            other => other.to_string(),
+        });
+        writer.write_record(record).map_err(failed)?;
+    }
+    let file = writer.into_inner();
+    let file = file.map_err(|error| files::failed(path, io::Error::other(error.to_string())))?;
+    Ok(file.finish()?)
+}
+
+#[cfg(feature = "parquet")]
+mod parquet {
+    use std::sync::Arc;
+
+    use ::parquet::basic::Compression;
+    use ::parquet::column::writer::ColumnWriter;
+    use ::parquet::data_type::ByteArray;
+    use ::parquet::errors::ParquetError;
+    use ::parquet::file::properties::WriterProperties;
+    use ::parquet::file::writer::SerializedFileWriter;
+    use ::parquet::schema::parser::parse_message_type;
+
+    use super::*;
+
+    /// Rows of a group.
+    const GROUP: usize = 10_000;
+
+    const SCHEMA: &str = "message fleet {
+        REQUIRED BYTE_ARRAY robot (UTF8);
+        REQUIRED BYTE_ARRAY day (UTF8);
+        REQUIRED BYTE_ARRAY urdf_hash (UTF8);
+        REQUIRED BYTE_ARRAY support (UTF8);
+        REQUIRED INT64 postures;
+        REQUIRED INT64 independent;
+        OPTIONAL DOUBLE noise_floor;
+        OPTIONAL DOUBLE held_out_rmse;
+        REQUIRED BYTE_ARRAY verdict (UTF8);
+        REQUIRED BYTE_ARRAY sentence (UTF8);
+        REQUIRED BYTE_ARRAY effects (UTF8);
+        REQUIRED BYTE_ARRAY health (UTF8);
+        REQUIRED GROUP params (LIST) { REPEATED GROUP list { OPTIONAL DOUBLE element; } }
+        REQUIRED GROUP std (LIST) { REPEATED GROUP list { OPTIONAL DOUBLE element; } }
+        REQUIRED GROUP inputs (LIST) { REPEATED GROUP list { REQUIRED BYTE_ARRAY element (UTF8); } }
+        OPTIONAL BYTE_ARRAY error (UTF8);
+        REQUIRED BYTE_ARRAY version (UTF8);
+    }";
+
+    pub(super) fn write(path: &Path, rows: &[Row]) -> Result<(), Error> {
+        let unwritten = |error: ParquetError| files::failed(path, io::Error::other(error));
+        let schema = parse_message_type(SCHEMA).map_err(unwritten)?;
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::SNAPPY)
+            .build();
+        let file = NewFile::create(path)?;
+        let writer = SerializedFileWriter::new(file, Arc::new(schema), properties.into());
+        let mut writer = writer.map_err(unwritten)?;
+        for rows in rows.chunks(GROUP) {
+            group(&mut writer, rows).map_err(unwritten)?;
+        }
+        Ok(writer.into_inner().map_err(unwritten)?.finish()?)
+    }
+
+    fn group(writer: &mut SerializedFileWriter<NewFile>, rows: &[Row]) -> Result<(), ParquetError> {
+        let columns = writer.schema_descr().columns().to_vec();
+        let rows: Vec<_> = rows.iter().map(cells).collect();
+        let mut group = writer.next_row_group()?;
+        for (at, column) in columns.iter().enumerate() {
+            let (mut values, mut defined, mut repeated) = (Vec::new(), Vec::new(), Vec::new());
+            for row in &rows {
+                let list = match &row[at] {
+                    Value::Array(list) => list.as_slice(),
+                    value => std::slice::from_ref(value),
+                };
+                if list.is_empty() {
+                    defined.push(0);
+                    repeated.push(0);
+                }
+                for (k, value) in list.iter().enumerate() {
+                    defined.push(column.max_def_level() - i16::from(value.is_null()));
+                    repeated.push(i16::from(k > 0));
+                    values.extend((!value.is_null()).then_some(value));
+                }
+            }
+            let defined = (column.max_def_level() > 0).then_some(defined.as_slice());
+            let repeated = (column.max_rep_level() > 0).then_some(repeated.as_slice());
+            let Some(mut to) = group.next_column()? else {
+                break;
+            };
+            let values = values.into_iter();
+            match to.untyped() {
+                ColumnWriter::ByteArrayColumnWriter(to) => {
+                    let texts = values.map(|text| text.as_str().unwrap_or_default().into());
+                    to.write_batch(&texts.collect::<Vec<ByteArray>>(), defined, repeated)?
+                }
+                ColumnWriter::DoubleColumnWriter(to) => {
+                    let numbers = values.map(|x| x.as_f64().unwrap_or(f64::NAN));
+                    to.write_batch(&numbers.collect::<Vec<f64>>(), defined, repeated)?
+                }
+                ColumnWriter::Int64ColumnWriter(to) => {
+                    let counts = values.map(|count| count.as_i64().unwrap_or(i64::MAX));
+                    to.write_batch(&counts.collect::<Vec<i64>>(), defined, repeated)?
+                }
+                _ => {
+                    return Err(ParquetError::General(
+                        "a column of another type".to_string(),
+                    ));
+                }
+            };
+            to.close()?;
+        }
+        group.close()?;
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -388,5 +577,41 @@ mod tests {
         other["verdict"] = "maybe".into();
         let said = serde_json::from_value::<Row>(other).unwrap_err();
         assert!(said.to_string().contains("`maybe` is no verdict"), "{said}");
+    }
+
+    #[cfg(feature = "parquet")]
+    #[test]
+    fn lists_and_missing_values_are_read_back() {
+        use super::*;
+        use ::parquet::file::reader::{FileReader as _, SerializedFileReader};
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("fleet.parquet");
+        let full = Row {
+            robot: "a".into(),
+            postures: 60,
+            noise_floor: Some(1e-4),
+            params: vec![0.5, 0.25],
+            std: vec![None, Some(0.125)],
+            inputs: vec!["11".into(), "22".into()],
+            ..Row::default()
+        };
+        let empty = Row {
+            robot: "b".into(),
+            error: Some("broken".into()),
+            ..Row::default()
+        };
+        write(&path, &[full, empty]).unwrap();
+        let reader = SerializedFileReader::new(std::fs::File::open(&path).unwrap()).unwrap();
+        let rows = reader.get_row_iter(None).unwrap();
+        let rows: Vec<String> = rows.map(|row| row.unwrap().to_string()).collect();
+        for (row, words) in rows.iter().zip([
+            "robot: \"a\"|postures: 60|[0.5, 0.25]|[null, 0.125]|[\"11\", \"22\"]|error: null",
+            "robot: \"b\"|postures: 0|params: []|inputs: []|noise_floor: null|error: \"broken\"",
+        ]) {
+            for word in words.split('|') {
+                assert!(row.contains(word), "{word}: {row}");
+            }
+        }
+        assert_eq!(rows.len(), 2);
     }
 }

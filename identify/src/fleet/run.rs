@@ -6,7 +6,7 @@
 //! of one group's logs a thread.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
+use std::ops::ControlFlow::{Break, Continue};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,13 +18,13 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 use sesc_model::Snapping;
 
-use super::cache::{Store, key};
+use super::Options;
 use super::evaluate::row;
 use super::inputs::Group;
 use super::log::{Failed, Log, each_once, name_of_log, name_of_urdf, read_urdf};
-use super::options::Options;
+use super::log::{Store, key};
 use super::row::Row;
-use super::table::assembled;
+use super::row::assembled;
 use crate::Error;
 use crate::robot::Robot;
 use crate::watch::{Progress, Watch, tell};
@@ -150,9 +150,12 @@ pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
         for _ in 0..threads.clamp(1, groups.len().max(1)) {
             let (send, next, stop) = (send.clone(), &next, &stop);
             scope.spawn(move || {
-                let mut stopped = |_: Progress| match stop.load(Ordering::Relaxed) {
-                    true => ControlFlow::Break(()),
-                    false => ControlFlow::Continue(()),
+                let mut stopped = |_: Progress| {
+                    if stop.load(Ordering::Relaxed) {
+                        Break(())
+                    } else {
+                        Continue(())
+                    }
                 };
                 while let Some(group) = groups.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let (robot, options) = (&request.robot, &request.options);
@@ -287,15 +290,13 @@ fn named(error: &str, read: &[(String, PathBuf)], group: &Group, robot: &Robot) 
             error: said,
         }
     };
-    let faulty = read
-        .iter()
-        .filter(|(hash, _)| error.contains(&name_of_log(hash)));
-    let mut faulty: Vec<&(String, PathBuf)> = faulty.collect();
+    let mut faulty: Vec<&(String, PathBuf)> = read.iter().collect();
+    faulty.retain(|(hash, _)| error.contains(&name_of_log(hash)));
     faulty.dedup_by(|a, b| a.0 == b.0);
-    match faulty.is_empty() {
-        false => faulty.into_iter().map(|(_, path)| say(path)).collect(),
-        true => group.logs.iter().take(1).map(|path| say(path)).collect(),
+    if faulty.is_empty() {
+        return group.logs.iter().take(1).map(|path| say(path)).collect();
     }
+    faulty.into_iter().map(|(_, path)| say(path)).collect()
 }
 
 /// What groups came to, in any order, put together; `robot` is that of groups without a URDF of
@@ -310,11 +311,8 @@ pub fn gathered(all: Vec<Done>, robot: &Arc<Robot>) -> Fleet {
         fleet.failed.extend(done.failed);
         fleet.from_store += usize::from(done.from_store);
         for (hash, path) in done.read {
-            let place = (
-                path.display().to_string(),
-                row.robot.clone(),
-                row.day.clone(),
-            );
+            let (robot, day) = (row.robot.clone(), row.day.clone());
+            let place = (path.display().to_string(), robot, day);
             places.entry(hash).or_default().push(place);
         }
         if !row.params.is_empty() {
@@ -326,14 +324,13 @@ pub fn gathered(all: Vec<Done>, robot: &Arc<Robot>) -> Fleet {
     for mut same in places.into_values() {
         same.sort();
         let (first, robot, day) = same[0].clone();
-        let again = same.drain(1..);
-        fleet
-            .twice
-            .extend(again.map(|(input, its_robot, its_day)| Twice {
+        for (input, its_robot, its_day) in same.drain(1..) {
+            fleet.twice.push(Twice {
                 input,
                 same_as: first.clone(),
                 counted_once: its_robot == robot && its_day == day,
-            }));
+            });
+        }
     }
     for (key, (urdf, support)) in models {
         let own = urdf.map(|path| read_urdf(&path).map(Arc::new));

@@ -1,16 +1,14 @@
-//! What is said of data: kinds, targets, sentences.
+//! What is said of data: kinds, targets, sentences; and what a figure shows of them: one number of
+//! each row, which rows are meant, and how the robot stood in them.
 
-use super::Picture;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
-/// What is wrong with data.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename_all = "snake_case")
-)]
+use crate::observations::postures::Postures;
+
+/// What is wrong with data; those kinds first that make data unusable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Kind {
     /// The CoP does not move on either axis.
@@ -69,43 +67,7 @@ impl Kind {
 
     /// Whether nothing can be done with such data.
     pub fn makes_unusable(self) -> bool {
-        KINDS[..UNUSABLE].contains(&self)
-    }
-}
-
-/// Kinds that make data unusable.
-const UNUSABLE: usize = 5;
-
-/// Every kind, those first that make data unusable.
-pub const KINDS: [Kind; 15] = [
-    Kind::CopConstant,
-    Kind::CopAxisDead,
-    Kind::OtherFoot,
-    Kind::FrameTurned,
-    Kind::RowsShuffled,
-    Kind::EncoderStuck,
-    Kind::JointLeaps,
-    Kind::CopFrozen,
-    Kind::CopOutsideSole,
-    Kind::ForceUnlikeWeight,
-    Kind::BothFeetFlat,
-    Kind::RowsCopied,
-    Kind::ChannelSaturated,
-    Kind::NoiseOverstated,
-    Kind::ContactLost,
-];
-
-impl<'de> Deserialize<'de> for Kind {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Kind, D::Error> {
-        let name = String::deserialize(deserializer)?;
-        let known = KINDS.into_iter().find(|kind| kind.name() == name);
-        known.ok_or_else(|| D::Error::custom(format!("`{name}` is no kind of finding")))
-    }
-}
-
-impl Serialize for Kind {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
+        self <= Kind::RowsShuffled
     }
 }
 
@@ -140,5 +102,83 @@ impl Finding {
             picture: Some(picture),
             ..self
         }
+    }
+}
+
+/// One number over the rows of a log.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Picture {
+    /// What it is, with its unit.
+    pub title: String,
+    /// Rows from 1, values, and whether the finding is about the row.
+    pub points: Vec<(usize, f64, bool)>,
+    /// Every row that has points, once, in their order.
+    pub rows: Vec<Row>,
+    /// What other points and those of the finding are, where not rows.
+    pub marks: Option<[String; 2]>,
+}
+
+/// A row of a log, and how the robot stood in it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// From 1.
+    pub number: usize,
+    /// Number of its posture in the log.
+    pub pose: i64,
+    /// Joint by joint, rad or m.
+    pub q: Vec<f64>,
+}
+
+impl Row {
+    /// Posture `k` of those of a log.
+    pub(crate) fn among(data: &Postures, k: usize) -> Row {
+        let dof = data.q.len() / data.len().max(1);
+        Row {
+            number: k + 1,
+            pose: data.pose[k],
+            q: data.q[k * dof..(k + 1) * dof].to_vec(),
+        }
+    }
+}
+
+impl Picture {
+    /// The value of each of so many rows.
+    pub(super) fn of(
+        title: &str,
+        rows: usize,
+        row: impl Fn(usize) -> Row,
+        value: impl Fn(usize) -> f64,
+        meant: impl Fn(usize) -> bool,
+    ) -> Picture {
+        Picture::chosen(title, rows, row, |k| [(value(k), meant(k))])
+    }
+
+    /// N values of each of so many rows, and whether the finding is about them; of at most
+    /// 500 / N rows, evenly chosen.
+    pub(crate) fn chosen<const N: usize>(
+        title: &str,
+        rows: usize,
+        row: impl Fn(usize) -> Row,
+        values: impl Fn(usize) -> [(f64, bool); N],
+    ) -> Picture {
+        let mut picture = Picture {
+            title: title.to_string(),
+            ..Picture::default()
+        };
+        for k in (0..rows).step_by((N * rows).div_ceil(500).max(1)) {
+            let own = row(k);
+            let point = |(value, meant)| (own.number, value, meant);
+            picture.points.extend(values(k).map(point));
+            picture.rows.push(own);
+        }
+        picture
+    }
+
+    /// What other points and those of the finding are.
+    pub fn marks(&self) -> [&str; 2] {
+        let marks = self.marks.as_ref();
+        marks.map_or(["row", "what the finding is about"], |marks| {
+            marks.each_ref().map(String::as_str)
+        })
     }
 }

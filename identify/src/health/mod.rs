@@ -13,39 +13,45 @@
 //! a known effect explains is no broken data: before a finding makes data unusable it must
 //! hold under every wiring that the effects know (`wirings`) and any offset, gain, rotation
 //! or exchange of the sensor's axes.
+//!
+//! One look at a log for a fit takes memory that does not grow with it: rows are looked at one by
+//! one and, thinned out, as postures. A stuck encoder leaves its joint's motion to the noise:
+//!
+//! ```text
+//! σ² → σ² + (a ∂p/∂q_j)²        a: how far the joint may be from where it says
+//! ```
 
-mod axes;
-mod columns;
 mod criteria;
 mod encoders;
 mod finding;
 mod frames;
-mod leftover;
-mod look;
-mod masses;
-mod parked;
-mod picture;
 mod rows;
-mod statistics;
 mod wirings;
 
+use std::fmt;
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
 use sesc_model::{Function, Model, Snapping};
 
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::logs::{LogSource, Options};
+use crate::logs::{Block, LogSource, Options, Screen, Screening};
 use crate::observations::postures::Postures;
+use crate::observations::rows::CopRows;
 use crate::robot::Robot;
 use crate::watch::Watch;
+
+use criteria::{ANYWHERE, UNKNOWN_NOISE_M};
 #[doc(hidden)]
 pub use encoders::Stuck;
-pub use finding::{Finding, KINDS, Kind};
+use encoders::{of_joint, parked};
+pub use finding::{Finding, Kind};
 #[doc(hidden)]
-pub use leftover::FitResiduals;
+pub use finding::{Picture, Row};
 #[doc(hidden)]
-pub use look::{Reading, look, screen};
-#[doc(hidden)]
-pub use picture::{Picture, Row};
+pub use rows::noise::FitResiduals;
+use rows::{LeftOut, LogRows};
 use wirings::Wirings;
 
 /// What is found.
@@ -64,13 +70,6 @@ impl Health {
         !self.findings.iter().any(|f| f.kind.makes_unusable())
     }
 
-    fn only(finding: Finding) -> Health {
-        Health {
-            findings: vec![finding],
-            ..Health::default()
-        }
-    }
-
     /// With what was found of the rows before; a finding that makes data unusable stands alone.
     pub fn after(mut self, rows: Vec<Finding>) -> Health {
         if self.is_usable() {
@@ -78,21 +77,6 @@ impl Health {
         }
         self
     }
-}
-
-/// A log beside what CAD says of it.
-struct Look<'a> {
-    robot: &'a Robot,
-    model: &'a Model,
-    snapping: Snapping,
-    data: &'a Postures,
-    /// Deviation of each reading, m; a guess where it is not known yet.
-    std: Vec<f64>,
-    noise_is_known: bool,
-    /// CoM by CAD, three per posture, m.
-    com: Vec<f64>,
-    /// Its x and y, m.
-    predicted: Vec<f64>,
 }
 
 /// What is wrong with a log itself.
@@ -150,26 +134,26 @@ pub fn of_log(
 /// Examine the postures of a log of `model`.
 pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &Postures) -> Health {
     let still = data.moved.is_some().then(|| data.standing());
-    examine_views(
+    let on = On {
         robot,
         model,
         snapping,
-        &Views::of(robot, model, data, still.as_ref()),
-        Axes::MayBeTurned,
-    )
+    };
+    // A sensor whose axes are turned is an effect, which a diagnosis names.
+    Views::of(on, data, still.as_ref()).examine(false)
 }
 
-/// Whether a sensor whose axes are turned about the normal of the sole is a finding.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Axes {
-    /// It is an effect, which a diagnosis names.
-    MayBeTurned,
-    /// It is, for who fits masses alone.
-    AreOfSupport,
+/// A robot on its support.
+#[derive(Clone, Copy)]
+struct On<'a> {
+    robot: &'a Robot,
+    model: &'a Model,
+    snapping: Snapping,
 }
 
 /// Postures as their readings may be meant.
 struct Views<'a> {
+    on: On<'a>,
     /// Postures as they were read.
     read: &'a Postures,
     /// These, or postures without what motion adds to readings, whichever are nearer to CAD.
@@ -182,90 +166,125 @@ struct Views<'a> {
 
 impl<'a> Views<'a> {
     /// Postures as `read`, and `still` without what motion adds to their readings.
-    fn of(
-        robot: &Robot,
-        model: &Model,
-        read: &'a Postures,
-        still: Option<&'a Postures>,
-    ) -> Views<'a> {
-        let gap = |data| Look::of(robot, model, Snapping::default(), data).gap();
+    fn of(on: On<'a>, read: &'a Postures, still: Option<&'a Postures>) -> Views<'a> {
+        let gap = |data| Look::of(on, data).gap();
         let as_read = gap(read);
         let (nearer, farther, gap) = match still.map(|still| (still, gap(still))) {
             Some((still, gap)) if gap < as_read => (still, Some(read), gap),
             _ => (read, still, as_read),
         };
         Views {
+            on,
             read,
             nearer,
             farther,
             gap,
         }
     }
+
+    /// Examine postures as they were read, and without what motion adds to their readings: a
+    /// dead sensor does not move, and would with what is taken from it; a stuck encoder may hide
+    /// more than motion does, so that the farther view is the right one. `axes`: whether a sensor
+    /// whose axes are turned about the normal of the sole is a finding.
+    fn examine(&self, axes: bool) -> Health {
+        let model = self.on.model;
+        let read = || (Look::of(self.on, self.read), Wirings::new(model, self.read));
+        let (look, wirings) = (
+            Look::of(self.on, self.nearer),
+            Wirings::new(model, self.nearer),
+        );
+        let dead = || {
+            let (look, wirings) = read();
+            frames::dead_axes(&look, &wirings)
+        };
+        // On another foot an axis may hardly move; one that is constant is dead on any.
+        let broken = if frames::is_constant(self.read) {
+            dead()
+        } else {
+            frames::wrong(&look, &wirings).or_else(dead)
+        };
+        let broken = broken.or_else(|| frames::shuffled(&look, &wirings));
+        let broken = broken.or_else(|| {
+            // What motion adds by CAD has CAD's axes: readings are looked at as they are.
+            let (look, wirings) = axes.then(read)?;
+            frames::turned(&look, &wirings)
+        });
+        let (finding, stuck) = match broken {
+            Some(finding) => (Some(finding), None),
+            None => self.stuck().unzip(),
+        };
+        Health {
+            findings: finding.into_iter().collect(),
+            stuck,
+        }
+    }
+
+    /// An encoder that does not move in any posture, though its joint does: in the nearer view,
+    /// or in the farther one, which must explain what the nearer one leaves.
+    fn stuck(&self) -> Option<(Finding, Stuck)> {
+        let gap = Look::of(self.on, self.nearer).chi2();
+        let of = |data| {
+            let wirings = Wirings::new(self.on.model, data);
+            encoders::stuck(&Look::of(self.on, data), &wirings, gap)
+        };
+        of(self.nearer).or_else(|| of(self.farther?))
+    }
 }
 
-/// Examine postures as they were read, and without what motion adds to their readings: a
-/// dead sensor does not move, and would with what is taken from it; a stuck encoder may hide
-/// more than motion does, so that the farther view is the right one.
-fn examine_views(
-    robot: &Robot,
-    model: &Model,
-    snapping: Snapping,
-    views: &Views,
-    axes: Axes,
-) -> Health {
-    let (read, standing) = (views.read, views.nearer);
-    let of = |data| Look::of(robot, model, snapping, data);
-    let dead = || columns::dead_axes(&of(read), &Wirings::new(model, read));
-    let (look, wirings) = (of(standing), Wirings::new(model, standing));
-    let elsewhere = || frames::wrong(&look, &wirings);
-    // On another foot an axis may hardly move; one that is constant is dead on any.
-    let broken = match columns::is_constant(read) {
-        true => dead(),
-        false => elsewhere().or_else(dead),
-    };
-    let broken = broken.or_else(|| columns::shuffled(&look, &wirings));
-    // What motion adds by CAD has CAD's axes: readings are looked at as they are.
-    let turned = || axes::turned(&of(read), &Wirings::new(model, read));
-    let broken = match axes {
-        Axes::AreOfSupport => broken.or_else(turned),
-        Axes::MayBeTurned => broken,
-    };
-    if let Some(finding) = broken {
-        return Health::only(finding);
-    }
-    let (finding, stuck) = stuck(robot, model, snapping, views).unzip();
-    Health {
-        findings: finding.into_iter().collect(),
-        stuck,
-    }
-}
-
-/// An encoder that does not move in any posture, though its joint does: in the nearer view, or in
-/// the farther one, which must explain what the nearer one leaves.
-fn stuck(
-    robot: &Robot,
-    model: &Model,
-    snapping: Snapping,
-    views: &Views,
-) -> Option<(Finding, Stuck)> {
-    let look = |data| Look::of(robot, model, snapping, data);
-    let gap = look(views.nearer).chi2();
-    let of = |data| encoders::stuck(&look(data), &Wirings::new(model, data), gap);
-    of(views.nearer).or_else(|| of(views.farther?))
+/// A log beside what CAD says of it.
+struct Look<'a> {
+    on: On<'a>,
+    model: &'a Model,
+    data: &'a Postures,
+    /// Deviation of each reading, m; a guess where it is not known yet.
+    std: Vec<f64>,
+    noise_is_known: bool,
+    /// CoM by CAD, three per posture, m.
+    com: Vec<f64>,
+    /// Its x and y, m.
+    predicted: Vec<f64>,
 }
 
 impl<'a> Look<'a> {
+    fn of(on: On<'a>, data: &'a Postures) -> Look<'a> {
+        let com = Evaluator::new(on.model, Function::Com).run(&data.q, data.len());
+        let predicted = com.chunks_exact(3).flat_map(|c| [c[0], c[1]]).collect();
+        let known = |std: &f64| if std.is_nan() { UNKNOWN_NOISE_M } else { *std };
+        Look {
+            on,
+            model: on.model,
+            data,
+            std: data.std.iter().map(known).collect(),
+            noise_is_known: data.std.iter().all(|std| !std.is_nan()),
+            com,
+            predicted,
+        }
+    }
+
     /// Between readings and CAD, m RMS.
     fn gap(&self) -> f64 {
-        statistics::gap(self.data, self.predicted.iter().copied())
+        wirings::gap(self.data, &self.predicted)
     }
 
     /// The same, variances of the noise a reading.
     fn chi2(&self) -> f64 {
         let readings = self.data.reading.iter().zip(&self.predicted);
         let whitened = readings.zip(&self.std).map(|((y, p), std)| (y - p) / std);
-        let squares: f64 = whitened.map(|x| x * x).sum();
-        squares / self.predicted.len().max(1) as f64
+        whitened.map(|x| x * x).sum::<f64>() / self.predicted.len().max(1) as f64
+    }
+
+    /// Some postures, at most so many, and rows of the CoP's regressor for them.
+    fn rows_of_masses(&self, most: usize) -> (Vec<usize>, DMatrix<f64>) {
+        let dof = self.model.dof();
+        let chosen = wirings::evenly(0..self.data.len(), most);
+        let q = chosen
+            .iter()
+            .flat_map(|k| &self.data.q[k * dof..(k + 1) * dof]);
+        let q: Vec<f64> = q.copied().collect();
+        let rows = CopRows::new(self.model)
+            .fastest()
+            .of(&q, chosen.len(), None);
+        (chosen, rows)
     }
 
     /// One axis of the readings beside what CAD says.
@@ -282,10 +301,9 @@ impl<'a> Look<'a> {
             let gap = |axis: usize| self.data.reading[2 * k + axis] - cop[2 * k + axis];
             1e3 * gap(0).hypot(gap(1))
         };
-        let sound = |k: usize| from(meant, k);
-        let found = |k: usize| from(&self.predicted, k);
-        let title = "Distance of the CoP from CAD's, mm";
-        self.of_two(title, [&sound, &found], marks)
+        let values: [&dyn Fn(usize) -> f64; 2] =
+            [&|k| from(meant, k), &|k| from(&self.predicted, k)];
+        self.of_two("Distance of the CoP from CAD's, mm", values, marks)
     }
 
     /// Two values of every posture: one that would be in order, and that of the finding.
@@ -302,21 +320,148 @@ impl<'a> Look<'a> {
             ..Picture::chosen(title, self.data.len(), row, both)
         }
     }
+}
 
-    fn of(robot: &'a Robot, model: &'a Model, snapping: Snapping, data: &'a Postures) -> Look<'a> {
-        let com = Evaluator::new(model, Function::Com).run(&data.q, data.len());
-        let predicted = com.chunks_exact(3).flat_map(|c| [c[0], c[1]]).collect();
-        let unknown = criteria::UNKNOWN_NOISE_M;
-        let known = |std: &f64| if std.is_nan() { unknown } else { *std };
-        Look {
-            robot,
-            model,
-            snapping,
-            data,
-            std: data.std.iter().map(known).collect(),
-            noise_is_known: data.std.iter().all(|std| !std.is_nan()),
-            com,
-            predicted,
-        }
+/// How a log of a fit is read.
+#[derive(Debug, Clone, Copy)]
+pub struct Reading<'a> {
+    /// Units, links, support.
+    pub options: &'a Options,
+    /// How decimals of right angles are read.
+    pub snapping: Snapping,
+    /// Standard deviation of a single reading, m, where the user says.
+    pub noise: Option<f64>,
+    /// Whether no other log is fitted with it: rows may be told deviations then.
+    pub alone: bool,
+}
+
+/// What is wrong with a log on the model's support, and the log without it.
+///
+/// # Errors
+/// What is wrong with the log; when `watch` stops it.
+pub fn look(
+    log: &LogSource,
+    robot: &Robot,
+    model: &Model,
+    reading: Reading,
+    watch: &mut dyn Watch,
+) -> Result<(LogSource, Vec<Finding>), Error> {
+    let log = log.clone();
+    if !log.can_be_read_again() {
+        return Ok((log, Vec::new()));
+    }
+    let on = On {
+        robot,
+        model,
+        snapping: reading.snapping,
+    };
+    let rows = LogRows::read(&log, (robot, model), reading.options, reading.noise, watch)?;
+    let (left_out, findings) = judge_rows(&rows, on);
+    // At most 2000 postures.
+    let stride = rows.len().div_ceil(2000).max(1);
+    let kept = |k: &usize| {
+        left_out.keeps(rows.reading[*k], rows.force(*k)) && left_out.follows(rows.q(*k))
+    };
+    let chosen: Vec<usize> = (0..rows.len()).filter(kept).step_by(stride).collect();
+    if chosen.is_empty() {
+        return Ok((log, findings));
+    }
+    let noise = rows.noise.unwrap_or(UNKNOWN_NOISE_M);
+    let (read, still) = rows.views(&chosen, model);
+    let found = Views::of(on, &read, still.as_ref()).examine(true);
+    let Health { findings, stuck } = found.after(findings);
+    let Some(Stuck { joint, .. }) = stuck else {
+        return Ok((screened(log, left_out), findings));
+    };
+    let screen = LessKnown {
+        left_out,
+        slopes: Arc::new(Evaluator::new(model, Function::ComJacobian).fastest()),
+        joint,
+        dof: rows.dof,
+        anywhere: of_joint(&model.tree.dofs[joint], ANYWHERE),
+        noise: reading.alone.then_some(noise),
+    };
+    Ok((log.screened(Arc::new(screen)), findings))
+}
+
+/// Look at the rows of a log on the model's support: what is wrong with them, and the log
+/// without those that cannot be used. `noise`: of a single reading, m, where the user says.
+///
+/// # Errors
+/// What is wrong with the log; when `watch` stops it.
+pub fn screen(
+    log: &LogSource,
+    (robot, model): (&Robot, &Model),
+    options: &Options,
+    noise: Option<f64>,
+    watch: &mut dyn Watch,
+) -> Result<(LogSource, Vec<Finding>), Error> {
+    let log = log.clone();
+    if !log.can_be_read_again() {
+        return Ok((log, Vec::new()));
+    }
+    let log = log.unchanged()?;
+    let rows = LogRows::read(&log, (robot, model), options, noise, watch)?;
+    let snapping = Snapping::default();
+    let on = On {
+        robot,
+        model,
+        snapping,
+    };
+    let (left_out, findings) = judge_rows(&rows, on);
+    Ok((screened(log, left_out), findings))
+}
+
+/// What is wrong with rows, by themselves and beside what CAD says, and what to leave out.
+fn judge_rows(rows: &LogRows, on: On) -> (LeftOut, Vec<Finding>) {
+    let (mut left_out, mut findings) = rows::judge(rows, on.model);
+    findings.extend(parked(rows, on, &mut left_out));
+    (left_out, findings)
+}
+
+/// A log without the rows that are to be left out.
+fn screened(log: LogSource, left_out: LeftOut) -> LogSource {
+    if left_out == LeftOut::default() {
+        return log;
+    }
+    log.screened(Arc::new(left_out))
+}
+
+/// Rows that are left out, and the others count for less along the motion of one joint.
+struct LessKnown {
+    left_out: LeftOut,
+    slopes: Arc<Evaluator>,
+    joint: usize,
+    dof: usize,
+    anywhere: f64,
+    /// Noise of rows that state none, m.
+    noise: Option<f64>,
+}
+
+impl fmt::Debug for LessKnown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "LessKnown({}, {:?})", self.joint, self.left_out)
+    }
+}
+
+impl Screen for LessKnown {
+    fn start(&self) -> Screening {
+        let mut left_out = self.left_out.start();
+        let (slopes, noise) = (Arc::clone(&self.slopes), self.noise);
+        let (joint, dof, anywhere) = (self.joint, self.dof, self.anywhere);
+        Box::new(move |block: &mut Block| {
+            left_out(block);
+            let n = block.len();
+            if let (None, Some(noise)) = (&block.std, noise) {
+                block.std = Some(vec![[noise; 2]; n]);
+            }
+            let slopes = slopes.run(&block.q, n);
+            for (k, std) in block.std.iter_mut().flatten().enumerate() {
+                *std = [0, 1].map(|axis| {
+                    let slope = slopes[(3 * k + axis) * dof + joint];
+                    std[axis].hypot(anywhere * slope)
+                });
+            }
+        })
     }
 }

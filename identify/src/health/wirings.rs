@@ -6,8 +6,12 @@
 //! ```
 //!
 //! A finding that makes data unusable holds under all of them: where one explains the
-//! readings, naming it is the work of a diagnosis. Up to [`MOST`] postures, evenly chosen,
-//! are looked at, and only once a finding is at hand.
+//! readings, naming it is the work of a diagnosis. Some postures, evenly chosen, are
+//! looked at, and only once a finding is at hand. Columns of numbers:
+//!
+//! ```text
+//! s(x) = √(Σ (x − x̄)² / n)        ρ(a, b)        R² = 1 − min_c ‖y − X c‖² / ‖y − ȳ‖²
+//! ```
 
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -18,16 +22,8 @@ use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
 use super::criteria::CHANCE;
-use super::statistics::{axis, left_by_gain, left_by_plane, rms_of_gaps, scatter};
 use crate::evaluate::{Evaluator, FASTEST};
-use crate::observations::postures::Postures;
-
-/// Postures that are looked at, at most; and at least, of robots with hundreds of joints.
-const MOST: usize = 300;
-const LEAST: usize = 40;
-
-/// Wirings that are asked about in one unit of angles, at most: all of a robot of 140 joints.
-const WIRINGS: usize = 10_000;
+use crate::observations::postures::{Postures, rms};
 
 /// Coordinates of the CoM that are kept from one question to the next, at most: 64 MiB.
 const KEPT: usize = 8 << 20;
@@ -50,8 +46,8 @@ impl<'a> Wirings<'a> {
     pub fn new(model: &'a Model, data: &Postures) -> Wirings<'a> {
         let (n, dof) = (data.len(), model.dof());
         // Nearly all wirings are exchanges of two joints, in two units of angles.
-        let most = (KEPT / 3 / (dof * dof + 1)).clamp(LEAST, MOST);
-        let chosen: Vec<usize> = (0..n).step_by(n.div_ceil(most).max(1)).collect();
+        let most = (KEPT / 3 / (dof * dof + 1)).clamp(40, 300);
+        let chosen = evenly(0..n, most);
         let rows = |values: &[f64], width: usize| -> Vec<f64> {
             let of = |&k: &usize| values[k * width..(k + 1) * width].to_vec();
             chosen.iter().flat_map(of).collect()
@@ -176,11 +172,6 @@ impl<'a> Wirings<'a> {
         self.made(self.model).take(1).any(|com| holds(&com)) || self.com().any(|com| holds(&com))
     }
 
-    /// Whether some axis of the readings goes with the postures under some wiring.
-    pub fn relate(&self) -> bool {
-        (0..2).any(|k| self.relates(k))
-    }
-
     /// Whether one axis of the readings goes with the postures under some wiring by more
     /// than chance does in one of [`CHANCE`] logs, be the sensor's zero and axes what they may.
     ///
@@ -207,16 +198,100 @@ fn of_wiring(context: &EffectContext, units: bool) -> Vec<Instance> {
     let own = |i: &Instance| i.effect.is_unit() == units;
     let wiring = all.filter(|i| i.effect.stage() == Stage::Wiring && own(i));
     let mut all: Vec<Instance> = wiring.collect();
-    if all.len() > WIRINGS {
+    // All of a robot of 140 joints.
+    let most = 10_000;
+    if all.len() > most {
         all.sort_by_key(|instance| match instance.target {
             Target::Joints(a, b) => a.abs_diff(b),
             _ => 0,
         });
-        all.truncate(WIRINGS);
+        all.truncate(most);
     }
     all
 }
 
 fn column(com: &[f64], k: usize) -> Vec<f64> {
     com.iter().skip(k).step_by(3).copied().collect()
+}
+
+/// Some of the rows, at most so many, evenly chosen.
+pub(super) fn evenly(rows: impl ExactSizeIterator<Item = usize>, most: usize) -> Vec<usize> {
+    let stride = rows.len().div_ceil(most).max(1);
+    rows.step_by(stride).collect()
+}
+
+/// Values less their mean.
+pub(super) fn centred(x: &[f64]) -> Vec<f64> {
+    let middle = mean(x);
+    x.iter().map(|x| x - middle).collect()
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Every second value.
+pub(super) fn axis(values: &[f64], axis: usize) -> Vec<f64> {
+    values.iter().skip(axis).step_by(2).copied().collect()
+}
+
+pub(super) fn mean(x: &[f64]) -> f64 {
+    x.iter().sum::<f64>() / x.len().max(1) as f64
+}
+
+/// Deviation from the mean, RMS.
+pub(super) fn scatter(x: &[f64]) -> f64 {
+    let middle = mean(x);
+    rms(x.iter().map(|x| x - middle))
+}
+
+/// Correlation of two columns; zero where one of them does not move.
+pub(super) fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let (ma, mb) = (mean(a), mean(b));
+    let both: f64 = a.iter().zip(b).map(|(a, b)| (a - ma) * (b - mb)).sum();
+    let size = scatter(a) * scatter(b) * a.len() as f64;
+    if size > 0.0 { both / size } else { 0.0 }
+}
+
+/// RMS over one axis.
+pub(super) fn rms_of(values: &[f64], k: usize) -> f64 {
+    rms(axis(values, k).into_iter())
+}
+
+/// Gap of the readings to a CoP, m RMS.
+pub(super) fn gap(data: &Postures, cop: &[f64]) -> f64 {
+    rms(data.reading.iter().zip(cop).map(|(y, p)| y - p))
+}
+
+/// What the best `c + a·x₁ + b·x₂` leaves of `y`, RMS.
+pub(super) fn left_by_plane(y: &[f64], x: [&[f64]; 2]) -> f64 {
+    let mut left = centred(y);
+    let mut directions: Vec<Vec<f64>> = Vec::new();
+    for column in x {
+        let mut own = centred(column);
+        let whole = dot(&own, &own);
+        for other in &directions {
+            let share = dot(&own, other) / dot(other, other);
+            own.iter_mut().zip(other).for_each(|(a, b)| *a -= share * b);
+        }
+        // A column that the other one repeats has no direction of its own.
+        if dot(&own, &own) <= 1e-20 * whole || whole == 0.0 {
+            continue;
+        }
+        let share = dot(&left, &own) / dot(&own, &own);
+        left.iter_mut().zip(&own).for_each(|(a, b)| *a -= share * b);
+        directions.push(own);
+    }
+    rms(left.into_iter())
+}
+
+/// What the best `c + a·x` with `a ≥ 0` leaves of `y`, RMS.
+pub(super) fn left_by_gain(y: &[f64], x: &[f64]) -> f64 {
+    let along = correlation(y, x).max(0.0);
+    scatter(y) * (1.0 - along * along).max(0.0).sqrt()
+}
+
+/// Size of gaps on two axes, RMS over both.
+pub(super) fn rms_of_gaps(gaps: impl Iterator<Item = [f64; 2]>) -> f64 {
+    rms(gaps.flatten())
 }

@@ -9,20 +9,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Steps, at most.
-const STEPS: usize = 25;
-/// Dampings that are tried for a step, at most.
-const TRIES: usize = 8;
-/// The first damping, its least, and what a step that helps and one that does not
-/// make of it.
-const DAMPING: f64 = 1e-3;
-const LEAST_DAMPING: f64 = 1e-9;
-const EASE: f64 = 0.2;
-const TIGHTEN: f64 = 10.0;
-/// Curvature that every unknown has, in units of its size: ε, and the least that
-/// damping is proportional to.
+/// Curvature that every unknown has, in units of its size: ε.
 const RIDGE: f64 = 1e-9;
-const LEAST_CURVATURE: f64 = 1e-12;
 /// A sum of squares that falls by less than this (of χ²) is settled.
 pub const SETTLED: f64 = 1e-3;
 
@@ -42,17 +30,17 @@ pub trait Expansion {
 /// ordinary sizes of the unknowns.
 pub fn minimise<E: Expansion>(start: E, sizes: &[f64], expand: impl Fn(Vec<f64>) -> E) -> E {
     let mut here = start;
-    let mut damping = DAMPING;
+    let mut damping = 1e-3;
     if sizes.is_empty() {
         return here;
     }
-    for _ in 0..STEPS {
+    for _ in 0..25 {
         let mut lower = None;
-        for _ in 0..TRIES {
+        for _ in 0..8 {
             let mut damped = here.normal().clone();
             for (k, size) in sizes.iter().enumerate() {
                 let unit = 1.0 / (size * size);
-                let own = here.normal()[(k, k)].max(LEAST_CURVATURE * unit);
+                let own = here.normal()[(k, k)].max(1e-12 * unit);
                 damped[(k, k)] += damping * own + RIDGE * unit;
             }
             if let Some(factor) = damped.cholesky() {
@@ -61,11 +49,11 @@ pub fn minimise<E: Expansion>(start: E, sizes: &[f64], expand: impl Fn(Vec<f64>)
                 let next = expand(moved.map(|(x, d)| x + d).collect());
                 if next.value() < here.value() {
                     lower = Some(next);
-                    damping = (damping * EASE).max(LEAST_DAMPING);
+                    damping = (damping * 0.2).max(1e-9);
                     break;
                 }
             }
-            damping *= TIGHTEN;
+            damping *= 10.0;
         }
         let Some(next) = lower else { break };
         let gain = here.value() - next.value();

@@ -10,8 +10,7 @@
 //! rows, nothing is squared, and the factors of parts of the data fold into the factor of the
 //! whole.
 
-use nalgebra::DMatrix;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use sesc_model::standard::Shift;
 use sesc_runtime::{F64x8, Simd};
@@ -162,8 +161,7 @@ impl Panel {
         let params = BLOCKS * (triangle.ncols() - 1);
         let (columns, readings) = self.columns.split_at_mut(params);
         if let Some(columns) = columns.get_mut(self.blocks..) {
-            let rows = rows.map(|(row, _, _)| row);
-            Simd::best().weigh_rows(&rows, &weights, columns, BLOCKS);
+            Simd::best().weigh_rows(&rows.map(|(row, ..)| row), &weights, columns, BLOCKS);
         }
         readings[self.blocks].0 = rows.map(|(_, reading, weight)| weight * reading);
         self.blocks += 1;
@@ -181,9 +179,6 @@ impl Panel {
         }
     }
 }
-
-/// Squares below this are of no reading; one over them is still a number.
-const NOTHING: f64 = 1e-300;
 
 /// Fold the rows of another triangle into a triangle, column by column.
 ///
@@ -203,8 +198,8 @@ fn fold(triangle: &mut DMatrix<f64>, mut below: DMatrix<f64>) {
         let first = top[j * order + j];
         let square = first * first + dot(v, v);
         // Nothing is left in this column: of fewer rows than columns each reflection leaves the
-        // rounding of the one before, until a float cannot hold it.
-        if square < NOTHING {
+        // rounding of the one before, until a float cannot hold one over it.
+        if square < 1e-300 {
             continue;
         }
         let size = square.sqrt();

@@ -10,27 +10,24 @@
 //! had from least squares with u ≥ 0, whose residual is zero just when no point
 //! satisfies the inequalities. Those with u > 0 are active; with them as equations
 //! the rest is linear, so that equations hold to rounding.
+//!
+//! # Unknowns that are not negative (Lawson and Hanson, algorithm NNLS)
+//!
+//! ```text
+//! min ‖M u − f‖,  u ≥ 0        optimal when  w = Mᵀ(f − M u) ≤ 0,  w = 0 where u > 0
+//! ```
+//!
+//! Unknowns enter by the largest slope w and leave where a step would make them
+//! negative; the sum of squares falls with every step, so the search ends.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::non_negative::non_negative;
 use crate::svd::{svd, symmetric_eigen};
 
 /// Singular values below this, relative to the largest, count as zero.
 const DEPENDENT: f64 = 1e-12;
-/// Equations that dependent rows contradict by more than this have no solution.
-const CONTRADICTION: f64 = 1e-11;
-/// A normalised inequality may be missed by this.
+/// A normalised inequality may be missed by this, and dependent equations contradict each other.
 const SLACK: f64 = 1e-11;
-/// What a corner of many inequalities may miss one by.
-const CORNER: f64 = 1e-8;
-/// A multiplier this far below zero, relative to the largest, is one.
-const PULL: f64 = 1e-9;
-/// Squared residual of the dual below which no point is feasible: it would be further
-/// than 1e6 standard deviations.
-const FAR: f64 = 1e-12;
-/// Rounds in which the set of active inequalities is mended.
-const ROUNDS: usize = 60;
 
 /// `matrix · v` against `right`.
 #[derive(Debug, Clone)]
@@ -116,7 +113,7 @@ impl ConstrainedProblem {
             Some(_) => nearest(&face, &below)?,
         };
         let mut near = face.best;
-        for _ in 0..ROUNDS {
+        for _ in 0..60 {
             let face = equal.stacked(&below, &active);
             let Some(Face { best: v, .. }) = Face::of(&self.squares, &face) else {
                 break;
@@ -132,7 +129,7 @@ impl ConstrainedProblem {
         }
         // Rounding at a corner where more inequalities meet than directions are left.
         match worst(&below, &near) {
-            Some(k) if (&below.matrix * &near - &below.right)[k] > CORNER => Err(NoAnswer::Stuck),
+            Some(k) if (&below.matrix * &near - &below.right)[k] > 1e-8 => Err(NoAnswer::Stuck),
             _ => Ok(Answer { v: near, active }),
         }
     }
@@ -145,11 +142,11 @@ impl ConstrainedProblem {
         let svd = svd(face.matrix.transpose(), true, true);
         let limit = DEPENDENT * svd.singular_values.max();
         let multipliers = svd.solve(&slope, limit).ok()?;
-        let size = PULL * multipliers.amax().max(f64::MIN_POSITIVE);
-        (equations..multipliers.len())
-            .filter(|&k| multipliers[k] < -size)
-            .min_by(|x, y| multipliers[*x].total_cmp(&multipliers[*y]))
-            .map(|k| k - equations)
+        // A multiplier so far below zero is one.
+        let size = 1e-9 * multipliers.amax().max(f64::MIN_POSITIVE);
+        let pulls = (equations..multipliers.len()).filter(|&k| multipliers[k] < -size);
+        let most = pulls.min_by(|x, y| multipliers[*x].total_cmp(&multipliers[*y]));
+        most.map(|k| k - equations)
     }
 }
 
@@ -177,7 +174,7 @@ fn independent(equal: &Linear) -> Result<Linear, NoAnswer> {
         .collect();
     let sides = u.select_columns(&kept);
     let mut right = sides.transpose() * &equal.right;
-    if (&equal.right - &sides * &right).amax() > CONTRADICTION {
+    if (&equal.right - &sides * &right).amax() > SLACK {
         return Err(NoAnswer::Contradiction);
     }
     for (to, &k) in kept.iter().enumerate() {
@@ -243,10 +240,66 @@ fn nearest(face: &Face, below: &Linear) -> Result<Vec<usize>, NoAnswer> {
     target[n] = 1.0;
     let u = non_negative(&dual, &target).ok_or(NoAnswer::Stuck)?;
     let rest = &dual * &u - target;
-    if rest.norm_squared() < FAR {
+    // No point is feasible: it would be further than 1e6 standard deviations.
+    if rest.norm_squared() < 1e-12 {
         return Err(NoAnswer::Infeasible);
     }
     Ok((0..u.len()).filter(|&k| u[k] > 0.0).collect())
+}
+
+/// u, or `None` where rounding keeps the search from an end.
+pub fn non_negative(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Option<DVector<f64>> {
+    let m = matrix.ncols();
+    let mut u = DVector::zeros(m);
+    let mut inside: Vec<usize> = Vec::new();
+    let mut barred = vec![false; m];
+    for _ in 0..10 * m + 100 {
+        let slope = matrix.transpose() * (target - matrix * &u);
+        let next = (0..m)
+            .filter(|k| !inside.contains(k) && !barred[*k] && slope[*k] > 1e-13)
+            .max_by(|a, b| slope[*a].total_cmp(&slope[*b]));
+        let Some(next) = next else {
+            return Some(u);
+        };
+        inside.push(next);
+        loop {
+            let chosen = matrix.select_columns(&inside);
+            let svd = svd(chosen, true, true);
+            let limit = DEPENDENT * svd.singular_values.max();
+            let z = svd.solve(target, limit).ok()?;
+            // A new column that rounding alone let in goes out again, for this point.
+            let last = inside.len() - 1;
+            if inside[last] == next && u[next] == 0.0 && z[last] <= 0.0 {
+                inside.pop();
+                barred[next] = true;
+                break;
+            }
+            if z.iter().all(|x| *x > 0.0) {
+                for (&k, &x) in inside.iter().zip(&z) {
+                    u[k] = x;
+                }
+                barred.fill(false);
+                break;
+            }
+            let ratio = |at: usize| u[inside[at]] / (u[inside[at]] - z[at]);
+            let steps = (0..inside.len()).filter(|&at| z[at] <= 0.0).map(ratio);
+            let step = steps.fold(1.0, f64::min);
+            for (&k, &x) in inside.iter().zip(&z) {
+                u[k] += step * (x - u[k]);
+            }
+            inside.retain(|&k| {
+                let keep = u[k] > 1e-15;
+                if !keep {
+                    u[k] = 0.0;
+                }
+                keep
+            });
+            if inside.is_empty() {
+                break;
+            }
+        }
+    }
+    None
 }
 
 #[cfg(test)]
@@ -326,5 +379,17 @@ mod tests {
             assert!(of_bounds.all(|m| *m > -1e-6), "{multipliers}");
         }
         assert!(felt > 20, "{felt} bounds felt");
+    }
+
+    /// Columns (1, 0), (1, 1) towards (1, −1): 2 and −1 without bounds, 1 and 0 with them.
+    #[test]
+    fn unknowns_that_would_be_negative_are_zero() {
+        let matrix = DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 0.0, 1.0]);
+        let target = DVector::from_vec(vec![1.0, -1.0]);
+        let u = non_negative(&matrix, &target).unwrap();
+        assert!((u - DVector::from_vec(vec![1.0, 0.0])).amax() < 1e-14);
+        let away = DVector::from_vec(vec![-1.0, 0.0]);
+        let one = matrix.columns(0, 1).into_owned();
+        assert_eq!(non_negative(&one, &away).unwrap()[0], 0.0);
     }
 }

@@ -2,16 +2,14 @@
 //!
 //! ```text
 //! min ‖Φ r − y‖²                     rows in bounded memory         factor, solve
-//! … with u ≥ 0, E v = e, G v ≤ h     masses that can exist          non_negative, inequality
+//! … with u ≥ 0, E v = e, G v ≤ h     masses that can exist          inequality
 //! … of a nonlinear model             effects                        damped
-//! RᵀR = C⁻¹ of what was found        what a recursive fit goes on from    information
+//! RᵀR = C⁻¹ of what was found        what a recursive fit goes on from    solve
 //! ```
 
 pub(crate) mod damped;
 pub(crate) mod factor;
 pub(crate) mod inequality;
-pub(crate) mod information;
-mod non_negative;
 pub(crate) mod solve;
 
 pub use factor::Factor;

@@ -10,18 +10,26 @@
 //! [`UNSEEN`] of the largest stay at CAD. What is seen is a matter of postures,
 //! not of weights: it is decided on rows as they are, so that a row with an
 //! absurdly small deviation hides no other.
+//!
+//! # Information
+//!
+//! What data and a prior tell together is kept as a triangular factor:
+//!
+//! ```text
+//! RᵀR = Aᵀ A + Cₚ⁻¹        A rows over deviations, Cₚ = S Sᵀ the prior
+//! ```
+//!
+//! A direction that the prior holds exactly (S has no column for it: massless links) is
+//! entered as known to a micrometre, so that RᵀR has an inverse.
 
 use nalgebra::{DMatrix, DVector};
+use sesc_model::Information;
 
 use super::factor::Factor;
 use crate::svd::svd;
 
 /// Singular values below this, relative to the largest, are not seen.
 pub const UNSEEN: f64 = 1e-10;
-
-/// Weighted singular values below this, relative to the largest and per parameter,
-/// are rounding.
-const LOST: f64 = 4.0 * f64::EPSILON;
 
 /// What data and prior say together.
 #[derive(Debug, Clone)]
@@ -149,7 +157,8 @@ impl Seen {
         let smallest = seen.iter().map(|&k| values[k]).fold(largest, f64::min);
         let v = svd
             .v_t
-            .map_or_else(|| DMatrix::identity(p, p), |v| v.transpose());
+            .unwrap_or_else(|| DMatrix::identity(p, p))
+            .transpose();
         let mut found = Seen {
             basis: v.select_columns(&seen),
             blind: v.select_columns(&blind),
@@ -165,7 +174,8 @@ impl Seen {
     fn weigh(&mut self, weighted: &Factor) {
         let svd = svd(weighted.r() * &self.basis, false, true);
         let values = svd.singular_values;
-        let least = LOST * weighted.params() as f64 * values.max();
+        // Per parameter less is rounding.
+        let least = 4.0 * f64::EPSILON * weighted.params() as f64 * values.max();
         let (seen, lost): (Vec<usize>, Vec<usize>) =
             (0..values.len()).partition(|&k| values[k] > least);
         let Some(v) = svd.v_t.filter(|_| !lost.is_empty()) else {
@@ -196,6 +206,57 @@ impl Seen {
         let half = &v * DMatrix::from_diagonal(&(inverse * sigma));
         (v * along, &half * half.transpose())
     }
+}
+
+/// What is known of directions that `S` has no column for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Beyond {
+    /// All: the parameters there are the prior's.
+    Exact,
+    /// Nothing: the prior is a wide one on the directions that data see.
+    Nothing,
+}
+
+/// The factor of `rows` (over their deviations) and of a prior with the factor `s`.
+pub fn information(rows: &DMatrix<f64>, s: &DMatrix<f64>, beyond: Beyond) -> Information {
+    let p = s.nrows();
+    // As many columns as rows, so that U is complete.
+    let mut square = DMatrix::zeros(p, p.max(s.ncols()));
+    square.columns_mut(0, s.ncols()).copy_from(s);
+    let svd = svd(square, true, false);
+    let values = &svd.singular_values;
+    let u = svd.u.unwrap_or_else(|| DMatrix::identity(p, p));
+    let least = 1e-12 * values.max();
+    let mut of_prior = DMatrix::zeros(p, p);
+    let mut seen = DMatrix::identity(p, p);
+    for (k, direction) in u.column_iter().enumerate() {
+        let weight = match (values[k] > least, beyond) {
+            (true, _) => 1.0 / values[k],
+            (false, Beyond::Exact) => 1.0 / 1e-6,
+            (false, Beyond::Nothing) => {
+                seen -= direction * direction.transpose();
+                0.0
+            }
+        };
+        of_prior.set_row(k, &(direction.transpose() * weight));
+    }
+    let mut rows = match beyond {
+        Beyond::Exact => rows.clone(),
+        Beyond::Nothing => rows * seen,
+    };
+    if rows.nrows() > p {
+        rows = rows.qr().r();
+    }
+    let n = rows.nrows();
+    let mut all = DMatrix::zeros(p + n, p);
+    all.rows_mut(0, p).copy_from(&of_prior);
+    all.rows_mut(p, n).copy_from(&rows);
+    Information::of(&all)
+}
+
+/// The factor of `rows` alone, less the directions `unseen` (orthonormal columns).
+pub fn of_rows(rows: &DMatrix<f64>, unseen: &DMatrix<f64>) -> Information {
+    Information::of(&(rows - (rows * unseen) * unseen.transpose()))
 }
 
 #[cfg(test)]
@@ -290,5 +351,48 @@ mod tests {
         let found = solve_weighted(&weighted, &plain, 1.0, &DVector::zeros(2), None);
         assert_eq!((found.rank, found.unseen.ncols()), (1, 1));
         assert!((found.params - DVector::from_vec(vec![1.0, 0.0])).norm() < 1e-14);
+    }
+
+    fn squared(information: &Information) -> DMatrix<f64> {
+        let n = information.factor.len();
+        let factor = DMatrix::from_fn(n, n, |i, k| match k.checked_sub(i) {
+            Some(at) => information.factor[i][at],
+            None => 0.0,
+        });
+        factor.tr_mul(&factor)
+    }
+
+    fn rows() -> DMatrix<f64> {
+        DMatrix::from_fn(20, 3, |i, j| ((i * (j + 2)) as f64 * 0.37).sin())
+    }
+
+    #[test]
+    fn data_and_prior_add_up() {
+        let s = DMatrix::from_row_slice(3, 3, &[0.1, 0.0, 0.3, 0.02, 0.3, 0.1, 0.0, 0.05, 0.2]);
+        let prior = (&s * s.transpose()).try_inverse().unwrap();
+        let expected = rows().tr_mul(&rows()) + prior;
+        let found = squared(&information(&rows(), &s, Beyond::Exact));
+        assert!((&found - &expected).norm() < 1e-12 * expected.norm());
+    }
+
+    /// A prior on two of three directions: the third is exact, or the data leave it open.
+    #[test]
+    fn directions_beyond_the_prior_are_exact_or_open() {
+        let s = DMatrix::from_row_slice(3, 2, &[0.1, 0.0, 0.0, 0.3, 0.0, 0.0]);
+        let exact = information(&rows(), &s, Beyond::Exact).deviations();
+        assert!((exact[2].unwrap() / 1e-6 - 1.0).abs() < 1e-6);
+        let open = information(&rows(), &s, Beyond::Nothing).deviations();
+        assert!(open[0].is_some() && open[1].is_some() && open[2].is_none());
+    }
+
+    #[test]
+    fn without_a_prior_what_is_unseen_has_no_information() {
+        let mut blind = rows();
+        blind.set_column(1, &nalgebra::DVector::zeros(20));
+        let unseen = DMatrix::from_row_slice(3, 1, &[0.0, 1.0, 0.0]);
+        let found = of_rows(&blind, &unseen);
+        assert_eq!(found.deviations()[1], None);
+        let expected = blind.tr_mul(&blind);
+        assert!((squared(&found) - &expected).norm() < 1e-12 * expected.norm());
     }
 }

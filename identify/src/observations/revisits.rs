@@ -15,7 +15,7 @@ use sesc_model::Model;
 use super::correlation::step;
 use super::postures::Postures;
 use super::rows::CopRows;
-use crate::next_steps::NextStep;
+use crate::NextStep;
 
 /// Postures that are asked for.
 pub const COUNT: usize = 5;

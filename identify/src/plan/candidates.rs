@@ -11,6 +11,8 @@
 //! limits. Where what CAD does not know would still carry the CoP over the
 //! edge, the target goes half way to the middle. Then come the ground and the
 //! robot's own body. Every draw that fails is counted with its reason.
+//!
+//! Where too few are found, the message has the numbers and what would help.
 
 use std::borrow::Cow;
 use std::ops::ControlFlow;
@@ -19,24 +21,17 @@ use nalgebra::{DMatrix, Matrix2, Vector2};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
-use sesc_model::{Function, Model};
+use sesc_model::Function;
 
+use super::Request;
 use super::limits::{is_stuck, stride};
 use super::scene::Scene;
 use crate::evaluate::Evaluator;
 use crate::poses::{self, Pose};
+use crate::{Message, Setting, message};
 
-/// Draws worked on together.
-const BLOCK: usize = 256;
-/// Draws without any candidate after which there is none.
-const FUTILE: usize = 10_000;
-/// Newton steps per target, and targets per draw.
-const STEPS: usize = 10;
-const TARGETS: usize = 3;
 /// Close enough to the target, m.
 const NEAR: f64 = 1e-5;
-/// Draws reach at least so far from rest, as a part of the limits.
-const LEAST_SPREAD: f64 = 0.2;
 
 /// What became of the draws.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -68,7 +63,7 @@ pub struct Counts {
 }
 
 /// Up to `wanted` postures that respect `scene`, from at most `draws` draws, one after the other,
-/// and what became of the draws; the same seed draws the same. Gives up where the first `FUTILE`
+/// and what became of the draws; the same seed draws the same. Gives up where the first 10,000
 /// bring none, and where `progress` says so.
 pub fn sample(
     scene: &Scene,
@@ -88,16 +83,15 @@ pub fn sample(
             ..Counts::default()
         },
         scene,
-        model,
     };
     let dof = model.dof();
     let mut found = Vec::new();
-    let futile = |found: &Vec<f64>, drawn: usize| found.is_empty() && drawn >= FUTILE;
-    while !futile(&found, sampler.counts.drawn)
-        && found.len() < wanted * dof
-        && sampler.counts.drawn < draws
-    {
-        let n = BLOCK.min(draws - sampler.counts.drawn);
+    let goes_on = |found: &[f64], drawn: usize| {
+        found.len() < wanted * dof && drawn < draws && !(found.is_empty() && drawn >= 10_000)
+    };
+    while goes_on(&found, sampler.counts.drawn) {
+        // Worked on together.
+        let n = 256.min(draws - sampler.counts.drawn);
         for q in sampler.block(n) {
             // Counts stop with the last candidate taken.
             if found.len() == wanted * dof {
@@ -118,7 +112,6 @@ pub fn sample(
 
 /// Draws candidates until there are enough.
 struct Sampler<'a> {
-    model: &'a Model,
     scene: &'a Scene<'a>,
     com: Evaluator,
     jacobian: Evaluator,
@@ -142,7 +135,7 @@ impl Sampler<'_> {
         }
         self.counts.balanced += 1;
         let mut bodies: Vec<Pose> = Vec::new();
-        poses::bodies(self.model, &drawn.q, &mut bodies);
+        poses::bodies(self.scene.model, &drawn.q, &mut bodies);
         match self.scene.clearance.lowest(&bodies) {
             Some((height, link)) if height < self.scene.clearance.height => {
                 self.counts.low[link] += 1;
@@ -160,9 +153,9 @@ impl Sampler<'_> {
     /// `n` draws, moved towards balance.
     fn block(&mut self, n: usize) -> Vec<Drawn> {
         let mut draws: Vec<Drawn> = (0..n).map(|_| self.draw()).collect();
-        for _ in 0..TARGETS {
+        for _ in 0..3 {
             let mut open: Vec<usize> = (0..n).filter(|&k| draws[k].violation > 0.0).collect();
-            for _ in 0..STEPS {
+            for _ in 0..10 {
                 open = self.step(&mut draws, open);
             }
             if let Some(feet) = &self.scene.both_feet {
@@ -182,7 +175,8 @@ impl Sampler<'_> {
     fn draw(&mut self) -> Drawn {
         let rest = self.scene.limits.rest();
         let rng = &mut self.rng;
-        let spread = 1.0 - (1.0 - LEAST_SPREAD) * rng.random::<f64>();
+        // At least a fifth of the limits from rest.
+        let spread = 1.0 - (1.0 - 0.2) * rng.random::<f64>();
         let ranges = self.scene.limits.ranges.iter().zip(&rest);
         let q = ranges
             .map(|(&(lower, upper), rest)| {
@@ -201,10 +195,8 @@ impl Sampler<'_> {
             }
         }
         // From one sole to the other.
-        let share = match &self.scene.both_feet {
-            Some(_) => self.rng.random::<f64>(),
-            None => 0.0,
-        };
+        let both = self.scene.both_feet.as_ref();
+        let share = both.map_or(0.0, |_| self.rng.random::<f64>());
         Drawn {
             q,
             target,
@@ -217,7 +209,7 @@ impl Sampler<'_> {
 
     /// One Newton step of those not yet at their targets.
     fn step(&self, draws: &mut [Drawn], open: Vec<usize>) -> Vec<usize> {
-        let dof = self.model.dof();
+        let dof = self.scene.model.dof();
         let q = open.iter().flat_map(|&k| &draws[k].q);
         let q: Vec<f64> = q.copied().collect();
         let cop = self.com.run(&q, open.len());
@@ -265,9 +257,8 @@ impl Sampler<'_> {
                 region.violation(cop, &covariance, self.scene.sigmas)
             });
             // What is not a number does not balance.
-            drawn.violation = Some(violation)
-                .filter(|x| *x <= f64::MAX)
-                .unwrap_or(f64::INFINITY);
+            let finite = Some(violation).filter(|x| *x <= f64::MAX);
+            drawn.violation = finite.unwrap_or(f64::INFINITY);
             drawn.std = (covariance.trace() / 2.0).sqrt();
         }
     }
@@ -319,4 +310,95 @@ impl Drawn {
         }
         stride(&mut self.q, &steps, ranges);
     }
+}
+
+/// What became of the draws, and which demand to relax.
+pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Message {
+    let tree = &scene.model.tree;
+    let Counts {
+        drawn,
+        balanced,
+        clear,
+        collision_free,
+        ..
+    } = counts;
+    let support = &tree.links[tree.support].name;
+    let numbers = format!(
+        "of {drawn} postures drawn, {balanced} balance on `{support}`, {clear} of them keep clear of \
+         the ground, {collision_free} of these of themselves; {} are wanted",
+        request.poses
+    );
+    let remedy = if *balanced < request.poses.max(drawn / 1000) {
+        let miss = match counts.nearest_miss {
+            Some(miss) if miss.is_finite() && *balanced == 0 => {
+                format!(", the best one misses by {:.1} mm", 1e3 * miss)
+            }
+            _ => String::new(),
+        };
+        let strict = format!(
+            "the CoP must stay within {}, by {} standard deviations ({:.1} mm each on average){miss}",
+            request.region.sentence(),
+            request.sigmas,
+            1e3 * counts.cop_std,
+        );
+        let enough = wide_enough(request, counts).map_or_else(String::new, |half| {
+            format!(" ({half} lets a tenth of them balance, where the foot is so large)")
+        });
+        message![
+            strict,
+            ": give a larger ",
+            Setting::CopBox,
+            enough,
+            " or the ",
+            Setting::Sole,
+            ", a ",
+            Setting::Prior,
+            " that knows more, or ",
+            Setting::Limits,
+            " that suit the support",
+            request.robot.feet_note()
+        ]
+    } else if *clear < request.poses.max(balanced / 1000) {
+        let worst = (0..counts.low.len())
+            .max_by_key(|&link| counts.low[link])
+            .unwrap_or(0);
+        let low = format!(
+            "asked is {}; most often `{}` is too low: give a smaller ",
+            scene.clearance.sentence(),
+            tree.links[worst].name
+        );
+        message![
+            low,
+            Setting::Clearance,
+            ", narrower ",
+            Setting::Limits,
+            ", or a support whose z = 0 is its sole"
+        ]
+    } else if *collision_free < *clear {
+        message!["give narrower ", Setting::Limits, ", or ask for fewer"]
+    } else {
+        message![
+            "ask for fewer ",
+            Setting::Poses,
+            ", or allow more with ",
+            Setting::Candidates
+        ]
+    };
+    remedy.after(&format!("{numbers}\n  "))
+}
+
+/// Half the side of a square that lets a tenth of the draws balance, whole cm in m; none where
+/// some balance, or where both feet carry.
+fn wide_enough(request: &Request, counts: &Counts) -> Option<f64> {
+    let mut misses = counts.misses.clone();
+    misses.retain(|miss| miss.is_finite());
+    if counts.balanced > 0 || misses.is_empty() {
+        return None;
+    }
+    misses.sort_by(f64::total_cmp);
+    let miss = misses[misses.len() / 10];
+    let ends = request.region.bounds();
+    let half = ends.iter().flat_map(|(low, high)| [low.abs(), high.abs()]);
+    let half = half.fold(0.0, f64::max) + miss;
+    Some((1e2 * half).ceil() / 1e2)
 }

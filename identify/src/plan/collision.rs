@@ -18,7 +18,7 @@ use parry3d_f64::query::intersection_test;
 use parry3d_f64::shape::{Ball, Capsule, Cuboid, Cylinder, Shape};
 use sesc_model::Model;
 
-use super::geometry::{Geometry, Solid};
+use super::shapes::{Geometry, Solid};
 use crate::poses::{self, Pose};
 
 /// Shapes that are compared one by one; more are in boxes, so many for all bodies together.
@@ -59,9 +59,9 @@ impl Collisions {
         }
         if geometry.shapes.len() > MOST {
             let each = (MOST / of_bodies.len().max(1)).max(1);
-            of_bodies
-                .values_mut()
-                .for_each(|solids| *solids = boxes(solids, each));
+            for solids in of_bodies.values_mut() {
+                *solids = boxes(solids, each);
+            }
         }
         let parents = model.chain.bodies.iter().enumerate();
         let neighbours = parents.filter_map(|(body, own)| Some(pair(body, own.parent?)));
@@ -73,10 +73,9 @@ impl Collisions {
             solids: Vec::new(),
         };
         for (body, solids) in &of_bodies {
-            let placed = solids
-                .iter()
-                .map(|(pose, solid)| placed(*body, *pose, *solid));
-            all.solids.extend(placed);
+            let solids = solids.iter();
+            all.solids
+                .extend(solids.map(|(pose, solid)| placed(*body, *pose, *solid)));
         }
         let mut bodies = Vec::new();
         poses::bodies(model, rest, &mut bodies);
@@ -103,16 +102,15 @@ impl Collisions {
 
     /// What is watched, in words.
     pub fn sentence(&self) -> String {
-        match (self.shapes, self.watched) {
-            (0, _) => "not checked: the robot has no collision shapes".to_string(),
-            (shapes, pairs) => {
-                let boxes = match self.solids.len() < shapes {
-                    true => format!("{} boxes around ", self.solids.len()),
-                    false => String::new(),
-                };
-                format!("{pairs} pairs of bodies by {boxes}{shapes} shapes; neighbours are exempt")
-            }
+        let (shapes, pairs) = (self.shapes, self.watched);
+        if shapes == 0 {
+            return "not checked: the robot has no collision shapes".to_string();
         }
+        let mut boxes = String::new();
+        if self.solids.len() < shapes {
+            boxes = format!("{} boxes around ", self.solids.len());
+        }
+        format!("{pairs} pairs of bodies by {boxes}{shapes} shapes; neighbours are exempt")
     }
 
     /// Two bodies that meet.
@@ -191,10 +189,8 @@ fn boxes(solids: &[(Pose, Solid)], most: usize) -> Vec<(Pose, Solid)> {
         (pose.origin - reach, pose.origin + reach)
     };
     let around = |all: &[(Vector3<f64>, Vector3<f64>)]| {
-        let whole = all
-            .iter()
-            .copied()
-            .reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
+        let all = all.iter().copied();
+        let whole = all.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
         whole.unwrap_or_default()
     };
     let mut all: Vec<_> = solids.iter().map(bounds).collect();
@@ -219,36 +215,30 @@ fn placed(body: usize, pose: Pose, solid: Solid) -> Placed {
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0),
         ..Pose::IDENTITY
     };
-    let (shape, pose): (Box<dyn Shape>, Pose) = match solid {
-        Solid::Box(half) => (
-            Box::new(Cuboid::new(DVec3::new(half.x, half.y, half.z))),
-            pose,
-        ),
-        Solid::Sphere { radius } => (Box::new(Ball::new(radius)), pose),
-        Solid::Capsule { radius, half } => (Box::new(Capsule::new_z(half, radius)), pose),
-        Solid::Cylinder { radius, half } => {
-            (Box::new(Cylinder::new(half, radius)), pose.then(&upright))
-        }
+    let is_cylinder = matches!(solid, Solid::Cylinder { .. });
+    let shape: Box<dyn Shape> = match solid {
+        Solid::Box(half) => Box::new(Cuboid::new(DVec3::new(half.x, half.y, half.z))),
+        Solid::Sphere { radius } => Box::new(Ball::new(radius)),
+        Solid::Capsule { radius, half } => Box::new(Capsule::new_z(half, radius)),
+        Solid::Cylinder { radius, half } => Box::new(Cylinder::new(half, radius)),
     };
     Placed {
         body,
-        pose,
+        pose: if is_cylinder {
+            pose.then(&upright)
+        } else {
+            pose
+        },
         radius: solid.radius(),
         shape,
     }
 }
 
 fn placement(pose: &Pose) -> Placement {
-    let columns: [f64; 9] = pose
-        .rotation
-        .as_slice()
-        .try_into()
-        .expect("a rotation has 9 entries");
-    let rotation = DQuat::from_mat3(&DMat3::from_cols_array(&columns));
-    Placement::from_parts(
-        DVec3::new(pose.origin.x, pose.origin.y, pose.origin.z),
-        rotation,
-    )
+    let columns: [[f64; 3]; 3] = pose.rotation.into();
+    let rotation = DQuat::from_mat3(&DMat3::from_cols_array_2d(&columns));
+    let origin: [f64; 3] = pose.origin.into();
+    Placement::from_parts(DVec3::from_array(origin), rotation)
 }
 
 #[cfg(test)]

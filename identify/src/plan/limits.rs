@@ -30,9 +30,6 @@ pub struct Limits {
     pub notes: Vec<String>,
 }
 
-/// Farthest a joint moves in one step, as a part of its range.
-const STRIDE: f64 = 0.25;
-
 /// A pair of columns: name of its unit, whether of prismatic joints, SI per unit.
 const UNITS: [(&str, bool, f64); 3] = [
     ("deg", false, std::f64::consts::PI / 180.0),
@@ -93,9 +90,10 @@ impl Limits {
         let (least, most) = self.ranges[joint];
         let kept = (range.0.max(least), range.1.min(most));
         if kept.0 > kept.1 {
-            let (per, unit) = match dof.prismatic {
-                true => (1.0, "m"),
-                false => (UNITS[0].2, "°"),
+            let (per, unit) = if dof.prismatic {
+                (1.0, "m")
+            } else {
+                (UNITS[0].2, "°")
             };
             let [lower, upper, least, most] = [range.0, range.1, least, most].map(|x| x / per);
             return Err(format!(
@@ -170,10 +168,8 @@ impl Limits {
 
     /// The posture within the limits that is closest to zero.
     pub fn rest(&self) -> Vec<f64> {
-        let ranges = self.ranges.iter();
-        ranges
-            .map(|&(lower, upper)| 0f64.clamp(lower, upper))
-            .collect()
+        let rest = |&(lower, upper): &(f64, f64)| 0f64.clamp(lower, upper);
+        self.ranges.iter().map(rest).collect()
     }
 }
 
@@ -210,19 +206,16 @@ impl Columns {
         let name = &dof.joint;
         let filled = self.pairs.iter().zip(UNITS).filter_map(|(pair, unit)| {
             let cells = (*pair)?.map(|k| row.get(k).unwrap_or(""));
-            cells
-                .iter()
-                .any(|cell| !cell.is_empty())
-                .then_some((cells, unit))
+            Some((cells, unit)).filter(|(cells, _)| cells.concat() != "")
         });
         let filled: Vec<_> = filled.collect();
         let (cells, (unit, prismatic, si)) = match filled[..] {
+            [one] => one,
             [] => {
                 return Err(format!(
                     "joint `{name}` has no limits on its line; give both"
                 ));
             }
-            [one] => one,
             _ => return Err(format!("joint `{name}` has limits in two units; keep one")),
         };
         if prismatic != dof.prismatic {
@@ -247,12 +240,12 @@ impl Columns {
 }
 
 fn in_order(joint: &str, (lower, upper): (f64, f64)) -> Result<(), String> {
-    match lower <= upper {
-        true => Ok(()),
-        false => Err(format!(
-            "joint `{joint}`: lower {lower} is above upper {upper}; swap them"
-        )),
+    if lower <= upper {
+        return Ok(());
     }
+    Err(format!(
+        "joint `{joint}`: lower {lower} is above upper {upper}; swap them"
+    ))
 }
 
 fn unknown(name: &str, dofs: &[Dof]) -> String {
@@ -274,12 +267,17 @@ pub(super) fn is_stuck(q: f64, step: f64, (lower, upper): (f64, f64)) -> bool {
 /// Move joints by `steps`, which shrink together where one is too long, so that the direction
 /// stays.
 pub(super) fn stride(q: &mut [f64], steps: &[f64], ranges: &[(f64, f64)]) {
-    let longest = |(step, (lower, upper)): (&f64, &(f64, f64))| match upper > lower {
-        true => step.abs() / (upper - lower),
-        false => 0.0,
+    let longest = |(step, (lower, upper)): (&f64, &(f64, f64))| {
+        let moves = upper > lower;
+        if moves {
+            step.abs() / (upper - lower)
+        } else {
+            0.0
+        }
     };
     let worst = steps.iter().zip(ranges).map(longest).fold(0.0, f64::max);
-    let scale = if worst > STRIDE { STRIDE / worst } else { 1.0 };
+    // A quarter of its range is the farthest a joint moves.
+    let scale = if worst > 0.25 { 0.25 / worst } else { 1.0 };
     for ((q, step), &(lower, upper)) in q.iter_mut().zip(steps).zip(ranges) {
         if step.is_finite() {
             *q = (*q + scale * step).clamp(lower, upper);

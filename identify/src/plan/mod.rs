@@ -8,28 +8,50 @@
 //! least volume to the parameters' uncertainty, max log det(C⁻¹ + Σ φᵀφ / σ²),
 //! among many in which the robot stands surely, given what CAD does not know.
 
-pub mod balance;
-pub(crate) mod both_feet;
 pub(crate) mod candidates;
-mod clearance;
-#[cfg_attr(not(feature = "collision"), path = "no_collision.rs")]
+#[cfg(feature = "collision")]
 mod collision;
-mod design;
-pub mod efficiency;
-pub(crate) mod geometry;
-pub mod joint_use;
-mod lessons;
-pub mod limits;
-mod mesh;
-pub(crate) mod order;
+/// Without the feature `collision` no body is watched.
+#[cfg(not(feature = "collision"))]
+mod collision {
+    use sesc_model::Model;
+
+    use super::shapes::Geometry;
+    use crate::poses::Pose;
+
+    #[derive(Default)]
+    pub struct Collisions {
+        pub exempt: Vec<[String; 2]>,
+    }
+
+    impl Collisions {
+        pub fn new(_: &Model, _: &Geometry, _: &[f64]) -> Collisions {
+            Collisions::default()
+        }
+
+        pub fn first(&self, _: &[Pose]) -> Option<(usize, usize)> {
+            None
+        }
+
+        pub fn is_checked(&self) -> bool {
+            false
+        }
+
+        pub fn sentence(&self) -> String {
+            "not checked: built without the feature `collision`".to_string()
+        }
+    }
+}
+pub(crate) mod design;
+mod limits;
+pub(crate) mod region;
 mod report;
-mod request;
-mod revisits;
 pub(crate) mod scene;
-mod shortage;
-pub(crate) mod sole;
+pub(crate) mod shapes;
 
 use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use sesc_model::{Function, Model};
@@ -37,41 +59,35 @@ use sesc_model::{Function, Model};
 pub use candidates::Counts;
 #[doc(hidden)]
 pub use candidates::sample;
-#[doc(hidden)]
-pub use geometry::Geometry;
-pub use lessons::Lesson;
-pub use report::{Motion, Plan, TwoFeet};
-pub use request::{COP_BOX, Request};
-pub use revisits::Revisits;
+pub use design::Efficiency;
+pub use limits::Limits;
+pub use region::Region;
+pub use report::{JointUse, Lesson, Motion, Plan, Revisits, TwoFeet};
 #[doc(hidden)]
 pub use scene::Scene;
+#[doc(hidden)]
+pub use shapes::Geometry;
 
-use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::feet::{Closure, of_many};
+use crate::feet::{Closure, Feet, of_many};
 use crate::fit::prior::{Prior, Tolerances};
-use crate::logs::Sidecar;
+use crate::logs::{LogSource, Sidecar};
 use crate::lsq::factor::Factor;
-use crate::lsq::solve::UNSEEN;
-use crate::observations::revisits::spread;
-use crate::svd::singular_values;
-use crate::watch::{Progress, Watch, stopped};
-use both_feet::BothFeet;
+use crate::lsq::solve::{UNSEEN, solve};
+use crate::robot::Robot;
+use crate::watch::{Watch, ask, stopped};
+use crate::{Error, Setting, message};
 use design::{Choice, WhitenedRows};
-use revisits::Known;
-
-/// Draws per candidate asked for, before giving up.
-const DRAWS: usize = 100;
+use report::Known;
+use scene::BothFeet;
 
 /// Plan postures.
 ///
 /// ```
 /// use std::sync::Arc;
 ///
-/// use sesc_identify::plan::balance::Region;
-/// use sesc_identify::plan::{COP_BOX, Request, plan};
-/// use sesc_identify::robot::Robot;
-/// use sesc_identify::stance::Stance;
+/// use sesc_identify::plan::{COP_BOX, Region, Request, plan};
+/// use sesc_identify::robot::{Robot, Stance};
 ///
 /// # let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
 /// #   <origin xyz='0 0 0.02'/><mass value='2'/></inertial></link>\
@@ -107,7 +123,19 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     if let Some(note) = both.and_then(|feet| of_many(model, &feet.other)) {
         watch.note(&note);
     }
-    let (q, counts) = candidates_in(&scene, request, watch)?;
+    let wanted = request.wanted();
+    let mut flow = ControlFlow::Continue(());
+    let draws = 100_usize.saturating_mul(wanted);
+    let (q, counts) = sample(&scene, request.seed, wanted, draws, |found| {
+        flow = ask(watch, "drawing candidates", found as u64, wanted as u64);
+        flow
+    });
+    stopped(flow)?;
+    if q.len() / dof < request.poses {
+        return Err(Error::request(candidates::shortage(
+            &scene, request, &counts,
+        )));
+    }
     let count = q.len() / dof;
 
     let params = model.base.params.len();
@@ -122,18 +150,17 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let (rank, condition_number) = conditioning(&regressor, &choice.chosen);
     let told = prior.is_some() || rank >= rows.directions();
     let chosen = ordered(&q, dof, &choice.chosen);
-    let lessons = lessons::lessons(model, &regressor, &scene.uncertainty, noise, &chosen);
-    let curve = match told {
-        true => efficiency::curve(&rows, &choice, noise, request.seed, prior.is_some()),
-        false => Vec::new(),
-    };
+    let lessons = report::lessons(model, &regressor, &scene.uncertainty, noise, &chosen);
+    let mut curve = Vec::new();
+    if told {
+        curve = design::curve(&rows, &choice, noise, request.seed, prior.is_some());
+    }
 
     let mut notes = geometry.notes.clone();
     notes.extend(request.limits.notes.iter().cloned());
-    if count < request.wanted() {
+    if count < wanted {
         notes.push(format!(
-            "{count} candidates instead of {} after {} draws",
-            request.wanted(),
+            "{count} candidates instead of {wanted} after {} draws",
             counts.drawn
         ));
     }
@@ -163,8 +190,8 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         expected_error: curve.last().map(|point| point.planned),
         expected_error_random: curve.last().map(|point| point.random),
         motion: Motion {
-            as_chosen: order::length(&q, dof, &choice.chosen),
-            ordered: order::length(&q, dof, &chosen),
+            as_chosen: design::way(&q, dof, &choice.chosen),
+            ordered: design::way(&q, dof, &chosen),
         },
         clearance: scene.clearance.sentence(),
         collision: scene.collisions.sentence(),
@@ -174,8 +201,8 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         corners: request.region.corners.clone(),
         margin: request.region.margin,
         both_feet: both.map(|feet| soles(feet, model, &some(&q, dof, &chosen))),
-        revisits: revisits_of(request, &known, &regressor, &chosen),
-        joints: joint_use::of_all(model, &request.limits, &q, &chosen),
+        revisits: report::revisits(request, &known, &rows_of(&regressor, &chosen)),
+        joints: report::joint_use(model, &request.limits, &q, &chosen),
         cop: chosen.iter().map(cop_of).collect(),
         log_det: choice.log_det,
         exchanges: choice.exchanges,
@@ -210,30 +237,6 @@ fn scene<'a>(
     Ok(scene)
 }
 
-/// Postures to choose from, one after the other, and what became of the draws.
-fn candidates_in(
-    scene: &Scene,
-    request: &Request,
-    watch: &mut dyn Watch,
-) -> Result<(Vec<f64>, Counts), Error> {
-    let wanted = request.wanted();
-    let mut flow = ControlFlow::Continue(());
-    let draws = DRAWS.saturating_mul(wanted);
-    let (q, counts) = candidates::sample(scene, request.seed, wanted, draws, |found| {
-        flow = watch.progress(Progress {
-            what: "drawing candidates",
-            done: found as u64,
-            total: Some(wanted as u64),
-        });
-        flow
-    });
-    stopped(flow)?;
-    match q.len() / scene.model.dof() < request.poses {
-        true => Err(Error::request(shortage::sentence(scene, request, &counts))),
-        false => Ok((q, counts)),
-    }
-}
-
 /// The `poses` candidates that tell most.
 fn choose(rows: &WhitenedRows, poses: usize, watch: &mut dyn Watch) -> Result<Choice, Error> {
     let mut flow = ControlFlow::Continue(());
@@ -241,28 +244,11 @@ fn choose(rows: &WhitenedRows, poses: usize, watch: &mut dyn Watch) -> Result<Ch
     let choice = rows.choose(poses, |step| {
         looked += step;
         let rounds = looked.div_ceil(poses_u64);
-        flow = watch.progress(Progress {
-            what: "choosing postures",
-            done: looked,
-            total: Some(rounds * poses_u64),
-        });
+        flow = ask(watch, "choosing postures", looked, rounds * poses_u64);
         flow
     });
     stopped(flow)?;
     Ok(choice)
-}
-
-/// Which of the chosen postures come back, spread over what their rows tell.
-fn revisits_of(
-    request: &Request,
-    known: &Known,
-    regressor: &DMatrix<f64>,
-    chosen: &[usize],
-) -> Revisits {
-    let count = revisits::count(request, known);
-    let spread = spread(&rows_of(regressor, chosen), count);
-    let poses = spread.into_iter().map(|k| k as i64 + 1).collect();
-    revisits::said(poses, request, known)
 }
 
 /// What the soles of the chosen postures `q` tell.
@@ -287,7 +273,7 @@ fn rows_of(regressor: &DMatrix<f64>, chosen: &[usize]) -> DMatrix<f64> {
 }
 
 fn ordered(q: &[f64], dof: usize, chosen: &[usize]) -> Vec<usize> {
-    let order = order::shorten(&some(q, dof, chosen), dof);
+    let order = design::short_order(&some(q, dof, chosen), dof);
     order.into_iter().map(|k| chosen[k]).collect()
 }
 
@@ -297,10 +283,126 @@ fn conditioning(regressor: &DMatrix<f64>, chosen: &[usize]) -> (usize, f64) {
     let n = rows.nrows();
     let mut factor = Factor::new(regressor.nrows());
     factor.push(&rows, &DVector::zeros(n), &vec![1.0; n]);
-    let values = singular_values(factor.r());
-    let largest = values.max();
-    let seen = values.iter().copied().filter(|x| *x > UNSEEN * largest);
-    let seen: Vec<f64> = seen.collect();
-    let smallest = seen.iter().copied().fold(largest, f64::min);
-    (seen.len(), largest / smallest)
+    let found = solve(&factor, 1.0, &DVector::zeros(regressor.nrows()), None);
+    (found.rank, found.condition_number)
+}
+
+/// |CoP| in the seed paper's postures of the OP2, m.
+pub const COP_BOX: f64 = 0.023;
+
+/// What is asked for.
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct Request {
+    /// The robot, whose shapes must not collide.
+    pub robot: Arc<Robot>,
+    /// The robot on its support, with the parameters to balance with.
+    pub model: Arc<Model>,
+    /// Number of postures.
+    pub poses: usize,
+    /// Candidates to choose from; a default by the number of postures and parameters.
+    pub candidates: Option<usize>,
+    /// Where the CoP may be.
+    pub region: Region,
+    /// Safety margin of the CoP in standard deviations of its prediction.
+    pub sigmas: f64,
+    /// Joint limits.
+    pub limits: Limits,
+    /// What the later fit will know beforehand.
+    pub prior: Prior,
+    /// Standard deviation of a reading as it enters the fit, m.
+    pub noise: f64,
+    /// Least height of everything but the support body, m.
+    pub clearance: f64,
+    /// Seed of the candidates.
+    pub seed: u64,
+    /// Which feet are on the floor: the support alone, unless it says both.
+    pub feet: Feet,
+    /// Postures that are reached once more, as rows of the file; unless given, as many as tell
+    /// what visits differ by are named, where no log knows it.
+    pub revisits: Option<usize>,
+    /// A log of this robot: its noise and what its visits differ by are those to come.
+    pub log: Option<LogSource>,
+    /// Where meshes may be.
+    pub folder: Option<PathBuf>,
+}
+
+impl Request {
+    /// A request for `poses` postures within the URDF's limits, with the CoP in `region`.
+    pub fn new(
+        robot: impl Into<Arc<Robot>>,
+        model: impl Into<Arc<Model>>,
+        poses: usize,
+        region: Region,
+    ) -> Request {
+        let model = model.into();
+        Request {
+            robot: robot.into(),
+            poses,
+            candidates: None,
+            region,
+            sigmas: 2.0,
+            limits: Limits::of_urdf(&model.tree.dofs),
+            prior: Prior::Cad(Tolerances::usual()),
+            noise: 0.0005,
+            clearance: 0.005,
+            seed: 1,
+            feet: Feet::default(),
+            revisits: None,
+            log: None,
+            folder: None,
+            model,
+        }
+    }
+
+    /// Whether the numbers make sense.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        let wrong = |setting: Setting, value: f64, remedy: &str| {
+            Error::request(message![setting, format!(" {value}: {remedy}")])
+        };
+        if !(self.noise.is_finite() && self.noise > 0.0) {
+            let remedy = "give a number above zero";
+            return Err(wrong(Setting::Noise, self.noise, remedy));
+        }
+        let numbers = [
+            (Setting::Margin, self.region.margin),
+            (Setting::Sigmas, self.sigmas),
+            (Setting::Clearance, self.clearance),
+        ];
+        for (setting, value) in numbers {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(wrong(setting, value, "give a number, zero or more"));
+            }
+        }
+        let ranges = self.limits.ranges.iter();
+        let ranges = ranges.filter(|(lower, upper)| lower <= upper);
+        if ranges.count() != self.model.dof() {
+            let remedy = ": give each joint a lower limit that is not above its upper one";
+            return Err(Error::request(message![Setting::Limits, remedy]));
+        }
+        if let Some(candidates) = self.candidates.filter(|count| *count < self.poses) {
+            let given = format!(" {candidates} for ");
+            let remedy = format!(
+                " {}: give at least as many, twenty times as many choose well",
+                self.poses
+            );
+            let why = message![Setting::Candidates, given, Setting::Poses, remedy];
+            return Err(Error::request(why));
+        }
+        if self.poses == 0 {
+            let remedy = " 0: give one or more";
+            return Err(Error::request(message![Setting::Poses, remedy]));
+        }
+        Ok(())
+    }
+
+    /// Candidates to look for: twenty per posture unless told, within what is quickly
+    /// worked on.
+    pub(super) fn wanted(&self) -> usize {
+        let params = self.model.base.params.len();
+        let quick = 2_000_000_000 / (params * params).max(1);
+        let usual = (20 * self.poses).clamp(2_000, 20_000);
+        self.candidates
+            .unwrap_or(usual.min(quick).max(2 * self.poses))
+    }
 }

@@ -1,18 +1,48 @@
-//! What a plan says: the postures in their order, and what they will tell.
+//! A plan: the postures in their order, what they ask of the joints, and what they will tell.
+//!
+//! # Lessons
+//!
+//! Each posture teaches something, one after the other:
+//!
+//! ```text
+//! K = C Aᵀ (A C Aᵀ + σ² I)⁻¹        C ← C − K A C        σ_p = √C_pp
+//! ```
+//!
+//! A are the two CoP rows of a posture, C is the covariance of the base parameters before it, at
+//! first that of the prior. The lesson of a posture is the parameter whose σ_p falls by the
+//! largest part.
+//!
+//! # Revisits
+//!
+//! What visits of one posture differ by is seen where postures are reached again, and in no other way:
+//!
+//! ```text
+//! reading of a visit = CoP(q) + v + e        v ~ N(0, σ_visit²) per visit, e per reading
+//! ```
+//!
+//! Readings of one visit agree to e, however many they are; a fit that takes them for repeats
+//! believes itself too exact by √(1 + σ_visit² n/σ_e²). A log that has visits tells both, and the
+//! plan counts a posture as known to √(σ_visit² + σ_e²/n).
 
 use std::path::PathBuf;
 
+use nalgebra::DMatrix;
 use serde::Serialize;
+use sesc_model::base::Column;
+use sesc_model::{Model, Snapping};
 
+use super::Request;
 use super::candidates::Counts;
-use super::efficiency::Efficiency;
-use super::joint_use::JointUse;
-use super::lessons::Lesson;
-use super::revisits::Revisits;
+use super::design::Efficiency;
+use super::limits::Limits;
 use crate::Error;
-use crate::feet::Offset;
-use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table};
-use crate::next_steps::NextStep;
+use crate::NextStep;
+use crate::feet::{Offset, Places};
+use crate::logs::{LogSource, Options, PostureWriter, Readings, Row, Sidecar, Table};
+use crate::observations::noise::NoiseSource;
+use crate::observations::postures::{Postures, Taking, range};
+use crate::observations::revisits::{COUNT, spread};
+use crate::watch::Watch;
 
 /// Postures to take, in their order, and what a fit of them will know.
 #[derive(Debug, Clone, Serialize)]
@@ -135,13 +165,11 @@ impl Plan {
             "{}: {} balanced, {} of them clear of the ground",
             draws.drawn, draws.balanced, draws.clear
         );
-        match self.collision_checked {
-            true => format!(
-                "{clear}, {} of these free of self-collision",
-                draws.collision_free
-            ),
-            false => clear,
+        if !self.collision_checked {
+            return clear;
         }
+        let free = draws.collision_free;
+        format!("{clear}, {free} of these free of self-collision")
     }
 
     /// The postures as a log in memory, those that come back included.
@@ -212,8 +240,243 @@ impl Plan {
     /// The chosen postures in their order, rad or m.
     pub fn postures(&self) -> impl Iterator<Item = &[f64]> {
         let dof = self.q.len() / self.candidates.max(1);
-        self.chosen
-            .iter()
-            .map(move |&k| &self.q[k * dof..(k + 1) * dof])
+        let chosen = self.chosen.iter();
+        chosen.map(move |&k| &self.q[k * dof..(k + 1) * dof])
+    }
+}
+
+/// What postures ask of a joint, rad or m.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JointUse {
+    /// The joint's name.
+    pub joint: String,
+    /// Whether `limits`, `values` and `used` are m.
+    pub prismatic: bool,
+    /// What was allowed.
+    pub limits: [f64; 2],
+    /// Posture by posture, in their order.
+    #[serde(skip)]
+    pub values: Vec<f64>,
+    /// Least and largest of these.
+    pub used: [f64; 2],
+}
+
+/// What the chosen postures ask of every joint.
+pub(super) fn joint_use(
+    model: &Model,
+    limits: &Limits,
+    q: &[f64],
+    chosen: &[usize],
+) -> Vec<JointUse> {
+    let dof = model.dof();
+    let of_joint = |j: usize| {
+        let values: Vec<f64> = chosen.iter().map(|k| q[k * dof + j]).collect();
+        let (least, largest) = range(values.iter().copied());
+        JointUse {
+            joint: model.tree.dofs[j].joint.clone(),
+            prismatic: model.tree.dofs[j].prismatic,
+            limits: limits.ranges[j].into(),
+            used: [least, largest],
+            values,
+        }
+    };
+    (0..dof).map(of_joint).collect()
+}
+
+/// The parameter that a posture tells most of.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Lesson {
+    /// Name of the base parameter.
+    pub parameter: String,
+    /// `m`; `1` for a mass fraction.
+    pub unit: &'static str,
+    /// Standard deviation before it.
+    pub before: f64,
+    /// Standard deviation after it.
+    pub after: f64,
+}
+
+/// The lessons of postures in their `order`: `regressor` is φᵀ as columns, two per candidate,
+/// `prior` a factor of the covariance that is known beforehand, `noise` that of a reading, m.
+pub(super) fn lessons(
+    model: &Model,
+    regressor: &DMatrix<f64>,
+    prior: &DMatrix<f64>,
+    noise: f64,
+    order: &[usize],
+) -> Vec<Lesson> {
+    let steps = deviations(regressor, prior, noise, order);
+    let params = &model.base.params;
+    let lesson = |pair: &[Vec<f64>]| {
+        let part = |k: &usize| pair[1][*k] / pair[0][*k];
+        let known = (0..params.len()).filter(|k| part(k).is_finite());
+        let best = known.min_by(|a, b| part(a).total_cmp(&part(b)))?;
+        Some(Lesson {
+            parameter: params[best].name.clone(),
+            unit: match params[best].column {
+                Column::Prismatic { .. } => "1",
+                Column::Axis { .. } => "m",
+            },
+            before: pair[0][best],
+            after: pair[1][best],
+        })
+    };
+    steps.windows(2).filter_map(lesson).collect()
+}
+
+/// Deviations of all parameters before the first posture and after each.
+fn deviations(
+    regressor: &DMatrix<f64>,
+    prior: &DMatrix<f64>,
+    noise: f64,
+    order: &[usize],
+) -> Vec<Vec<f64>> {
+    let mut covariance = prior * prior.transpose();
+    let of = |covariance: &DMatrix<f64>| -> Vec<f64> {
+        let variances = covariance.diagonal();
+        variances.iter().map(|x| x.max(0.0).sqrt()).collect()
+    };
+    let mut all = vec![of(&covariance)];
+    for &k in order {
+        let rows = regressor.columns(2 * k, 2);
+        let spread = &covariance * rows;
+        let reading = rows.tr_mul(&spread) + DMatrix::identity(2, 2) * noise.powi(2);
+        if let Some(inverse) = reading.try_inverse() {
+            covariance -= &spread * inverse * spread.transpose();
+        }
+        all.push(of(&covariance));
+    }
+    all
+}
+
+/// Postures of a plan that should come back.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Revisits {
+    /// Their numbers, in order.
+    pub poses: Vec<i64>,
+    /// Whether the file has rows for them.
+    pub written: bool,
+    /// Why, as a sentence; where there are none, what is known.
+    pub sentence: String,
+}
+
+/// What a log says of the noise of postures to come.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Known {
+    /// Noise of a single reading within a visit, m; zero where visits are one reading each, whose
+    /// noise is part of what they differ by.
+    pub noise: Option<f64>,
+    /// What visits differ by, m; none where no posture was reached again.
+    pub visits: Option<f64>,
+}
+
+impl Known {
+    /// Look at the log of a request, if it has one.
+    pub fn of(request: &Request, watch: &mut dyn Watch) -> Result<Known, Error> {
+        let Some(log) = &request.log else {
+            return Ok(Known::default());
+        };
+        let (robot, model) = (&request.robot, &request.model);
+        let links = robot.description.link_names();
+        let taking = Taking {
+            options: Options {
+                readings: Readings::Required,
+                links: links.map(str::to_string).collect(),
+                support: Some(model.support().to_string()),
+                soles: Some(Places::of(robot, Snapping::default())),
+                both_feet: request.feet.said(),
+                ..Options::default()
+            },
+            noise: None,
+            floor: 0.0,
+        };
+        let data = Postures::read(log, model, &taking, watch)?;
+        let rows = data.summary.as_ref().map_or(1.0, |found| found.rows as f64);
+        let per_posture = (rows / data.postures.max(1) as f64).max(1.0);
+        let known = data.noise_source != NoiseSource::Residuals && data.noise > 0.0;
+        let single = known.then_some(data.noise * per_posture.sqrt());
+        let noise = match data.visits {
+            Some(visits) if visits.std > 0.0 => Some(visits.readings_std.unwrap_or(0.0)),
+            _ => single,
+        };
+        Ok(Known {
+            noise,
+            visits: data.visits.map(|visits| visits.std),
+        })
+    }
+
+    /// Standard deviation of a reading as it enters the fit, where `asked` is what it is unless
+    /// the log says it, m.
+    pub fn reading_std(&self, asked: f64) -> f64 {
+        let noise = self.noise.unwrap_or(asked);
+        noise.hypot(self.visits.unwrap_or(0.0))
+    }
+}
+
+/// Which of the chosen postures come back, spread over what their `rows` tell.
+pub(super) fn revisits(request: &Request, known: &Known, rows: &DMatrix<f64>) -> Revisits {
+    let usual = match known.visits {
+        Some(_) => 0,
+        None => COUNT.min(request.poses / 2),
+    };
+    let count = request.revisits.unwrap_or(usual).min(request.poses);
+    let poses = spread(rows, count).into_iter().map(|k| k as i64 + 1);
+    let poses: Vec<i64> = poses.collect();
+    let written = request.revisits.is_some() && !poses.is_empty();
+    let names: Vec<String> = poses.iter().map(i64::to_string).collect();
+    let sentence = match (poses.is_empty(), known.visits) {
+        (true, Some(visits)) => format!(
+            "none: the log says that visits of one posture differ by {:.2} mm",
+            1e3 * visits
+        ),
+        (true, None) => "none: what visits of one posture differ by stays unknown".to_string(),
+        (false, _) => format!(
+            "reach poses {} once again after the others{}: what visits of one posture differ by \
+             is not known",
+            names.join(", "),
+            match written {
+                true => ", as the last rows of the file",
+                false => ", and log them under the same numbers",
+            }
+        ),
+    };
+    Revisits {
+        poses,
+        written,
+        sentence,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the inverse of the whole information.
+    #[test]
+    fn deviations_after_all_postures_are_those_of_one_fit() {
+        let regressor = DMatrix::from_fn(4, 12, |i, j| ((i * 31 + j * j * 7) as f64 * 0.61).sin());
+        let entry = |i: usize, j: usize| if i == j { 0.5 } else { 0.05 * (i + j) as f64 };
+        let prior = DMatrix::from_fn(4, 4, entry);
+        let (noise, order) = (0.2, [4, 0, 3]);
+        let steps = deviations(&regressor, &prior, noise, &order);
+        assert_eq!(steps.len(), 4);
+        let own = |count: usize| {
+            let columns = order[..count].iter().flat_map(|k| [2 * k, 2 * k + 1]);
+            let columns: Vec<usize> = columns.collect();
+            let rows = regressor.select_columns(&columns) / noise;
+            let information =
+                (&prior * prior.transpose()).try_inverse().unwrap() + &rows * rows.transpose();
+            information.try_inverse().unwrap()
+        };
+        for (count, step) in steps.iter().enumerate() {
+            let expected = own(count);
+            for (k, std) in step.iter().enumerate() {
+                let off = std / expected[(k, k)].sqrt() - 1.0;
+                assert!(off.abs() < 1e-9, "{count} {k}: {off}");
+            }
+        }
     }
 }

@@ -7,9 +7,9 @@ use super::super::svg::{Anchor, Axes, BAND, BLUE, Figure, GRID, HEADING, INK, MU
 use super::super::svg::{same_scale, span};
 use super::super::table::mm;
 use super::to_mm;
+use sesc_identify::plan::Efficiency;
+use sesc_identify::plan::JointUse;
 use sesc_identify::plan::Plan;
-use sesc_identify::plan::efficiency::Efficiency;
-use sesc_identify::plan::joint_use::JointUse;
 use sesc_model::text::apart;
 
 // Where the CoP of the planned postures is, and where it may be.

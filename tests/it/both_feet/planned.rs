@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use sesc_identify::plan;
-use sesc_identify::plan::balance::Region;
+use sesc_identify::plan::Region;
 use sesc_identify::robot::Robot;
 use sesc_model::Snapping;
 use sesc_test_support::command::Folder;

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use sesc_model::effects::{Catalog, EffectContext, EncoderMap, instances};
 
 use super::{Bench, HIP, off_hip, request, table};
+use crate::NextStep;
 use crate::diagnose::remedy::{Change, Servo, Step, changed};
 use crate::diagnose::{Report, Suspect, Verdict, diagnose};
-use crate::next_steps::NextStep;
 
 /// q = s u (n − z)
 fn reading(servo: Servo, ticks: f64) -> f64 {

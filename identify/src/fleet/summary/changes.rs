@@ -1,6 +1,6 @@
 //! What changed in a robot between its days, and is more than chance.
 //!
-//! Two kinds of numbers are followed over its [days](super::course), each with half of the chance
+//! Two kinds of numbers are followed over its [days](super::history), each with half of the chance
 //! of a false alarm: base parameters as fitted without effects, and sizes of effects. On days on
 //! which an effect is in no explanation it is 0 ± [`UNSEEN`] of its deviations, since a smaller
 //! one would hardly be seen.
@@ -29,17 +29,12 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::FisherSnedecor;
 
-use super::course::{Course, Step, freedom, steps, tail};
-use super::criteria::changes::{BORNE_OUT, DIFFERENCES, HYPOTHESES, PAIRS, UNSEEN};
+use super::history::{Course, Step, freedom, steps, tail};
 use super::history::{History, Key, Said, absent, found, label, principal, said};
 use super::shared::one_in;
+use super::{DIFFERENCES, FALSE_ALARM, HYPOTHESES, ROBOTS, UNSEEN};
 use crate::diagnose::{subject, words::capital};
 use crate::fleet::row::{Row, Size, by_number};
-
-/// Median of the square of a standard normal number.
-const MEDIAN_OF_SQUARES: f64 = 0.454_936;
-/// A parameter of which a fit claims a smaller deviation is known exactly, m.
-const EXACT: f64 = 1e-9;
 
 /// What kind of thing changed; its name in JSON is in small letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -135,10 +130,10 @@ pub(super) fn changes(histories: &[History], names: &BTreeMap<String, Vec<String
         found.extend(findings(history));
         for stretch in history.stretches() {
             let effects = effects(history, &stretch, &scatter, robots);
-            match effects.is_empty() {
-                true => found.extend(parameters(&stretch, &widening, names, robots)),
-                false => found.extend(effects),
+            if effects.is_empty() {
+                found.extend(parameters(&stretch, &widening, names, robots));
             }
+            found.extend(effects);
         }
     }
     found.sort_by(|a, b| {
@@ -172,9 +167,8 @@ fn findings(history: &History) -> Vec<Change> {
     };
     let of = |finding: &crate::health::Finding| {
         let has = |row: &&Row| {
-            row.health
-                .iter()
-                .any(|f| f.kind == finding.kind && f.target == finding.target)
+            let mut own = row.health.iter();
+            own.any(|f| f.kind == finding.kind && f.target == finding.target)
         };
         let first = rows.iter().position(has)?;
         let lasts = rows[first..].iter().all(has) && first > 0 && rows.len() - first > 1;
@@ -293,9 +287,8 @@ fn parameters(
         let chances = steps.iter().map(|step| step.chance);
         chances.fold(f64::INFINITY, f64::min)
     };
-    let named = changed
-        .into_iter()
-        .min_by(|a, b| clearest(&a.2).total_cmp(&clearest(&b.2)));
+    let changed = changed.into_iter();
+    let named = changed.min_by(|a, b| clearest(&a.2).total_cmp(&clearest(&b.2)));
     let Some((k, course, steps)) = named else {
         return Vec::new();
     };
@@ -337,9 +330,13 @@ fn widening(histories: &[History]) -> Vec<f64> {
         }
     }
     let together = widening_of(squares.iter().flatten().copied().collect());
-    let each = |own: Vec<f64>| match own.len() < DIFFERENCES {
-        true => together,
-        false => widening_of(own),
+    let few = |own: &[f64]| own.len() < DIFFERENCES;
+    let each = |own: Vec<f64>| {
+        if few(&own) {
+            together
+        } else {
+            widening_of(own)
+        }
     };
     squares.into_iter().map(each).collect()
 }
@@ -350,7 +347,7 @@ fn is_borne_out(before: &[&Row], after: &[&Row], widening: f64) -> bool {
     let parameters = chance_of_parameters(before, after, widening);
     let least = parameters.min(chance_of_gaps(before, after));
     // Of two kinds of numbers.
-    2.0 * least < BORNE_OUT
+    2.0 * least < FALSE_ALARM
 }
 
 /// How many times as much days scatter as their deviations say, of neighbouring days with the
@@ -366,9 +363,10 @@ fn scatter(histories: &[History]) -> f64 {
             squares.extend(squares_between(pair[0], pair[1]).flatten());
         }
     }
-    match pairs < PAIRS {
-        true => 1.0,
-        false => widening_of(squares),
+    if pairs < ROBOTS {
+        1.0
+    } else {
+        widening_of(squares)
     }
 }
 
@@ -388,7 +386,8 @@ fn widening_of(mut squares: Vec<f64>) -> f64 {
     }
     let middle = squares.len() / 2;
     let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-    (*median / MEDIAN_OF_SQUARES).max(1.0).sqrt()
+    // Of the square of a standard normal number the median is 0.455.
+    (*median / 0.454_936).max(1.0).sqrt()
 }
 
 /// Squared differences of two days over their variance, parameter by parameter; none where a day
@@ -434,7 +433,8 @@ fn uncertain<'r>(rows: impl Iterator<Item = &'r Row>) -> Option<Vec<usize>> {
     if known.iter().any(|covariance| covariance.nrows() != n) {
         return None;
     }
-    let is_uncertain = |&k: &usize| known.iter().all(|c| c[(k, k)] > EXACT * EXACT);
+    // Of which a fit claims a smaller deviation, 1e-9 m, is known exactly.
+    let is_uncertain = |&k: &usize| known.iter().all(|c| c[(k, k)] > 1e-9 * 1e-9);
     let uncertain: Vec<usize> = (0..n).filter(is_uncertain).collect();
     (!uncertain.is_empty()).then_some(uncertain)
 }
@@ -474,10 +474,8 @@ fn mean(rows: &[&Row], of: &[usize]) -> Option<Mean> {
 fn chance_of_gaps(before: &[&Row], after: &[&Row]) -> f64 {
     let pooled = |rows: &[&Row]| {
         let (mut squares, mut free) = (0.0, 0.0);
-        for (row, rmse) in rows
-            .iter()
-            .filter_map(|row| Some((row, row.held_out_rmse?)))
-        {
+        let known = rows.iter().filter_map(|r| Some((r, r.held_out_rmse?)));
+        for (row, rmse) in known {
             let own = freedom(&[row]);
             squares += own * rmse * rmse;
             free += own;

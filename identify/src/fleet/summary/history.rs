@@ -1,7 +1,29 @@
-//! The rows of one robot in the order of its days.
+//! The rows of one robot in the order of its days, and where a number of it changes.
+//!
+//! A number x_d with deviation s_d on each of D days is split at every day:
+//!
+//! ```text
+//! z_k = (x̄_{≥k} − x̄_{<k}) / √(var x̄_{≥k} + var x̄_{<k})      x̄: weighted by 1/s²
+//! ```
+//!
+//! The chance of the largest |z_k| is at most that of one, times D − 1 days, the numbers of a
+//! robot and the robots of the fleet (Bonferroni); below [`FALSE_ALARM`] it is a change.
+//!
+//! The days before a change and those from it on are split again in the same way (binary
+//! segmentation), unless a straight line explains them: a drift is one change. Each time the
+//! chance counts twice as many numbers, so that a robot with a change gets a second one by
+//! chance no more often than a sound robot gets its first.
+//!
+//! The day of a change has an interval: of all days on which the number may have stepped, each as
+//! likely before, those of 95 % of the probability that they have in the light of the sizes,
+//! exp(−χ²_k/2) with χ²_k of the two means; the day that is told is in it.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::{Range, RangeInclusive};
 
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+
+use super::{FALSE_ALARM, LEAST_FREEDOM, ONSET};
 use crate::fleet::row::{Absent, EffectFound, Row, Size, by_number};
 
 /// Effect and target.
@@ -160,9 +182,207 @@ pub(super) fn pooled(values: &[Size]) -> Option<(Size, f64)> {
     Some((Size { value, std }, tau2.sqrt()))
 }
 
+/// A number by day.
+pub(super) struct Course<'r> {
+    pub rows: Vec<&'r Row>,
+    pub sizes: Vec<Size>,
+    freedom: f64,
+}
+
+impl<'r> Course<'r> {
+    /// The sizes of a number on the days of these rows.
+    pub(super) fn of(days: impl Iterator<Item = (&'r Row, Size)>) -> Course<'r> {
+        let (rows, sizes): (Vec<&Row>, Vec<Size>) = days.unzip();
+        let freedom = freedom(&rows);
+        Course {
+            rows,
+            sizes,
+            freedom,
+        }
+    }
+
+    /// The name of a day.
+    pub(super) fn day(&self, place: usize) -> &'r str {
+        &self.rows[place].day
+    }
+
+    /// The first and the last day on which a change may have come.
+    pub(super) fn days_of(&self, step: &Step) -> [String; 2] {
+        [*step.first.start(), *step.first.end()].map(|day| self.day(day).to_string())
+    }
+
+    /// The days of a range alone.
+    fn part(&self, days: &Range<usize>) -> Self {
+        Course {
+            rows: self.rows[days.clone()].to_vec(),
+            sizes: self.sizes[days.clone()].to_vec(),
+            freedom: self.freedom,
+        }
+    }
+}
+
+/// Where a course can be split best.
+struct Split {
+    /// Place of the first day on which it is so.
+    onset: usize,
+    ln_p: f64,
+}
+
+/// A change of a course.
+pub(super) struct Step {
+    /// Days since the change up to the next one.
+    pub days: Range<usize>,
+    /// Places of the first and the last day on which it may have come, at 95 %.
+    pub first: RangeInclusive<usize>,
+    /// The most that chance would make of it.
+    pub chance: f64,
+}
+
+/// Degrees of freedom of the deviations of all rows together.
+pub(super) fn freedom(rows: &[&Row]) -> f64 {
+    let of =
+        |row: &&Row| (2.0 * row.independent as f64 - row.params.len() as f64).max(LEAST_FREEDOM);
+    rows.iter().map(of).sum()
+}
+
+/// Where a number changes, day after day. `tests` are the numbers that are looked at, besides
+/// days.
+pub(super) fn steps(course: &Course, tests: f64) -> Vec<Step> {
+    let days = course.sizes.len();
+    // Of two kinds of numbers.
+    let looks = 2.0 * tests * (days as f64 - 1.0);
+    let mut onsets: Vec<(usize, RangeInclusive<usize>, f64)> = Vec::new();
+    let mut parts = vec![(0..days, looks)];
+    while let Some((part, looks)) = parts.pop() {
+        let own = course.part(&part);
+        let again = part.len() < days;
+        if again && is_straight(&own.sizes) {
+            continue;
+        }
+        let Some(Split { onset, ln_p }) = split(&own) else {
+            continue;
+        };
+        let chance = (ln_p + looks.ln()).exp().min(1.0);
+        if chance < FALSE_ALARM {
+            let days = days_of_95_percent(&own.sizes);
+            let days = onset.min(*days.start())..=onset.max(*days.end());
+            let (onset, first) = (part.start + onset, part.start + days.start());
+            onsets.push((onset, first..=part.start + days.end(), chance));
+            parts.push((part.start..onset, 2.0 * looks));
+            parts.push((onset..part.end, 2.0 * looks));
+        }
+    }
+    onsets.sort_by_key(|(onset, ..)| *onset);
+    let ends = onsets.iter().skip(1).map(|(onset, ..)| *onset);
+    let ends: Vec<usize> = ends.chain([days]).collect();
+    let step = |((onset, first, chance), end)| Step {
+        days: onset..end,
+        first,
+        chance,
+    };
+    onsets.into_iter().zip(ends).map(step).collect()
+}
+
+/// Whether a straight line over the days, weighted by 1/s², explains the sizes.
+fn is_straight(sizes: &[Size]) -> bool {
+    let days = sizes.iter().enumerate().map(|(day, size)| {
+        let weight = 1.0 / (size.std * size.std);
+        (day as f64, size.value, weight)
+    });
+    let sum =
+        |of: &dyn Fn(f64, f64) -> f64| days.clone().map(|(t, x, w)| w * of(t, x)).sum::<f64>();
+    let weight = sum(&|_, _| 1.0);
+    let (mean_t, mean_x) = (sum(&|t, _| t) / weight, sum(&|_, x| x) / weight);
+    let slope = sum(&|t, x| (t - mean_t) * (x - mean_x)) / sum(&|t, _| (t - mean_t).powi(2));
+    let line = |t: f64| mean_x + slope * (t - mean_t);
+    let chi2 = sum(&|t, x| (x - line(t)).powi(2));
+    // Two days always lie on a line.
+    let law = ChiSquared::new(sizes.len() as f64 - 2.0);
+    law.is_ok_and(|law| tail(&law, chi2) > FALSE_ALARM) || sizes.len() < 3
+}
+
+fn split(course: &Course) -> Option<Split> {
+    let n = course.sizes.len();
+    // Means of the days before each day, and of those from it on.
+    let before = means(course.sizes.iter());
+    let mut after = means(course.sizes.iter().rev());
+    after.reverse();
+    let gap = |later: Size, k: usize| {
+        let before: Size = before[k - 1];
+        (later.value - before.value) / later.std.hypot(before.std)
+    };
+    let z = |k: usize| gap(after[k], k);
+    let best = (1..n).max_by(|a, b| z(*a).abs().total_cmp(&z(*b).abs()))?;
+    let of = |k: usize| {
+        let own = gap(course.sizes[k], k);
+        own.abs() > ONSET && own.signum() == z(best).signum()
+    };
+    // A drift is split best in its middle, and begins before.
+    let onset = (1..=best).find(|k| of(*k)).unwrap_or(best);
+    let law = StudentsT::new(0.0, 1.0, course.freedom.max(LEAST_FREEDOM)).ok()?;
+    let p = 2.0 * tail(&law, z(best).abs());
+    let ln_p = p.max(f64::MIN_POSITIVE).ln();
+    z(best).is_finite().then_some(Split { onset, ln_p })
+}
+
+/// The first and the last of the days that have 95 % of the probability of a step.
+fn days_of_95_percent(sizes: &[Size]) -> RangeInclusive<usize> {
+    let left = |of: &[Size]| {
+        let mean = means(of.iter()).pop().map_or(0.0, |mean| mean.value);
+        let square = |size: &Size| ((size.value - mean) / size.std).powi(2);
+        of.iter().map(square).sum::<f64>()
+    };
+    let chi2: Vec<f64> = (1..sizes.len())
+        .map(|k| left(&sizes[..k]) + left(&sizes[k..]))
+        .collect();
+    let least = chi2.iter().copied().fold(f64::INFINITY, f64::min);
+    let weights = chi2.iter().map(|chi2| (-0.5 * (chi2 - least)).exp());
+    let mut days: Vec<(usize, f64)> = weights.enumerate().map(|(k, w)| (k + 1, w)).collect();
+    days.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let all: f64 = days.iter().map(|(_, weight)| weight).sum();
+    let mut held = 0.0;
+    let (mut first, mut last) = (sizes.len(), 0);
+    for (day, weight) in days {
+        if held > 0.95 * all {
+            break;
+        }
+        held += weight;
+        (first, last) = (first.min(day), last.max(day));
+    }
+    first..=last
+}
+
+/// Chance of `x` or more. Numbers that come from a file may be anything, of which laws take those
+/// alone that are finite and not too large to be squared.
+pub(super) fn tail(law: &impl ContinuousCDF<f64, f64>, x: f64) -> f64 {
+    if x.is_nan() {
+        1.0
+    } else {
+        law.sf(x.clamp(-1e100, 1e100))
+    }
+}
+
+/// Means weighted by 1/s² of the first number, of the first two, and so on.
+pub(super) fn means<'s>(sizes: impl Iterator<Item = &'s Size>) -> Vec<Size> {
+    let (mut sum, mut weights) = (0.0, 0.0);
+    let mean = |size: &Size| {
+        let weight = 1.0 / (size.std * size.std);
+        weights += weight;
+        sum += weight * size.value;
+        Size {
+            value: sum / weights,
+            std: weights.sqrt().recip(),
+        }
+    };
+    sizes.map(mean).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution as _, StandardNormal};
 
     #[test]
     fn values_that_scatter_more_than_they_should_are_known_less_well() {
@@ -180,5 +400,33 @@ mod tests {
         let (mean, tau) = of(&[0.0, 2.0]);
         assert!((tau * tau - 1.99).abs() < 1e-9, "{tau}");
         assert!((mean.std - 1.0).abs() < 1e-9, "{}", mean.std);
+    }
+
+    /// The day of a step is within its interval in 95 % of the courses of twelve days, and small
+    /// steps have longer ones.
+    #[test]
+    fn intervals_of_days_hold_the_day() {
+        let mut random = ChaCha8Rng::seed_from_u64(31);
+        let mut lengths = Vec::new();
+        for step in [1.0, 2.0, 4.0] {
+            let (mut held, mut length) = (0, 0);
+            for _ in 0..1000 {
+                let day = random.random_range(1..12);
+                let noise = |_| -> f64 { StandardNormal.sample(&mut random) };
+                let course: Vec<f64> = (0..12).map(noise).collect();
+                let size = |(k, noise): (usize, &f64)| Size {
+                    value: 1e-3 * (noise + if k < day { 0.0 } else { step }),
+                    std: 1e-3,
+                };
+                let sizes: Vec<Size> = course.iter().enumerate().map(size).collect();
+                let days = days_of_95_percent(&sizes);
+                held += usize::from(days.contains(&day));
+                length += days.end() - days.start() + 1;
+            }
+            println!("step of {step} deviations: {held} of 1000 hold, {length} days in all");
+            assert!((935..=1000).contains(&held), "{step}: {held}");
+            lengths.push(length);
+        }
+        assert!(lengths[0] > lengths[1] && lengths[1] > 3 * lengths[2]);
     }
 }

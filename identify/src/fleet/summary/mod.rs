@@ -4,30 +4,89 @@
 //! rows ─▶ robots (days in order) ─▶ shared effects ─┐
 //!                                └▶ changes ────────┴▶ what to look at first
 //! ```
+//!
+//! Robots to look at first are sorted by the weight of what is said of them:
+//!
+//! ```text
+//! weight = Σ w_k (1 − p_k)          w_k: how urgent statement k is; p_k: its chance in a sound robot
+//! std²   = Σ w_k² p_k (1 − p_k)     whether each is true is drawn on its own
+//! robot j is before i for sure:     weight_j − weight_i > 1.96 √(std_j² + std_i²)
+//! ```
+//!
+//! p_k is that of the test which made the statement: of a change or a group in the whole fleet;
+//! of an effect of the robot's own 1/(1 + e^(E/2)/D), with E the evidence of the clearest of D
+//! days; of a finding on m of D days the chance that so many sound days have it. What files
+//! themselves say (another URDF, a log that cannot be read) has 0.
 
 mod changes;
-mod course;
-pub(super) mod criteria;
 mod history;
-mod look_first;
 mod shared;
-#[cfg(test)]
-mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
-
-pub use changes::{Change, ChangeKind};
-pub use criteria::FALSE_ALARM;
-pub use look_first::{Reason, Statement};
-pub use shared::{Shared, SharedMember};
-
-use criteria::{OWN_EFFECTS, ROBOTS};
-use history::History;
+use statrs::distribution::{Binomial, DiscreteCDF as _};
 
 use super::row::Row;
+use crate::diagnose::{Verdict, subject};
 use crate::fit::population::Population;
+use history::{History, Key, found, label};
+use shared::one_in;
+
+pub use changes::{Change, ChangeKind};
+pub use shared::{Shared, SharedMember};
+
+// When something is said of a fleet. `cargo xtask study fleet` counts what comes of all of these
+// numbers together.
+
+/// Chance that a fleet of which nothing is wrong gets a shared effect, and that it gets a
+/// change: corrected for everything that is looked at in the whole fleet. An effect that comes or
+/// goes is a change where what is fitted without effects differs by more than chance makes of it in
+/// this part of cases. Chosen: it is the rate of false alarms itself; `cargo xtask study fleet`
+/// counts them.
+pub const FALSE_ALARM: f64 = 0.01;
+
+/// An effect of the last day alone counts if it is so many deviations large. Chosen: half of it
+/// lists robots for one odd day.
+pub(in crate::fleet) const CLEAR: f64 = 8.0;
+
+/// Chance that a finding about the data is in a log of a sound robot, at most; taken for the
+/// verdict `unexplained`, too. Calibrated on the study of health, where 0 of 300 healthy logs have
+/// a finding: 1 % is the upper end of its 95 % interval. Half of it halves the chances that are
+/// said of findings, and moves no robot.
+pub(in crate::fleet) const FALSE_FINDING: f64 = 0.01;
+
+/// Fewer robots, or pairs of days with one explanation, say nothing of how they are spread. Chosen:
+/// four degrees of freedom know a spread to a third (closed form).
+pub(in crate::fleet) const ROBOTS: usize = 5;
+
+/// Where more than this part of the robots have effects of their own, bodies are said to differ; in
+/// this part of the rows of a robot an effect has to be possible to be the robot's. Chosen: half of it
+/// is reached by a fleet with several batches whose sizes scatter, and groups robots by single days.
+pub(in crate::fleet) const MOST: f64 = 0.5;
+
+/// Deviations of an effect on a day that does not show it. Chosen: half of it makes an
+/// effect that is not named on a day smaller than it may be, and changes too many.
+pub(in crate::fleet) const UNSEEN: f64 = 3.0;
+/// Effects and targets that a diagnosis may name. Chosen: a factor of two moves the
+/// threshold by 0.1 deviations (closed form).
+pub(in crate::fleet) const HYPOTHESES: f64 = 500.0;
+/// A day that differs from those before it by so many deviations begins a change. Chosen:
+/// half of it dates changes too early; twice as much dates drifts late.
+pub(in crate::fleet) const ONSET: f64 = 4.0;
+/// Fewer differences than these do not tell how days scatter. Chosen: the root of the
+/// median of so many squares is off by a quarter (closed form), of half as many by a third.
+pub(in crate::fleet) const DIFFERENCES: usize = 20;
+/// Fewest degrees of freedom that are taken for a row's deviations. Chosen: half of it asks
+/// for larger changes in small fleets.
+pub(in crate::fleet) const LEAST_FREEDOM: f64 = 5.0;
+
+/// Robots of a group differ by at most this part of its size. Chosen: half of it splits
+/// batches whose offsets scatter.
+pub(in crate::fleet) const ALIKE: f64 = 0.5;
+/// A window is no narrower than this many deviations of an estimate. Chosen: half of it
+/// takes agreement that estimates cannot have for evidence.
+pub(in crate::fleet) const LEAST_WINDOW: f64 = 2.0;
 
 /// What the rows say together.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -60,7 +119,7 @@ pub fn summary(
     let histories = history::histories(rows);
     let shared = shared::shared(&histories);
     let changes = changes::changes(&histories, names);
-    let reasons = look_first::reasons(&histories, &shared, &changes);
+    let reasons = reasons(&histories, &shared, &changes);
     Summary {
         look_first: reasons.iter().map(|reason| reason.robot.clone()).collect(),
         reasons,
@@ -85,7 +144,7 @@ fn differing_bodies(histories: &[History], shared: &[Shared]) -> Option<String> 
     let all = histories.iter().filter(|h| h.usable().next().is_some());
     let all = all.count();
     let own = histories.iter().filter(of_its_own).count();
-    let most = all >= ROBOTS && own as f64 > OWN_EFFECTS * all as f64;
+    let most = all >= ROBOTS && own as f64 > MOST * all as f64;
     most.then(|| {
         format!(
             "{own} of {all} robots have effects of their own on most days. So many robots hardly \
@@ -95,3 +154,240 @@ fn differing_bodies(histories: &[History], shared: &[Shared]) -> Option<String> 
         )
     })
 }
+
+/// Why a robot is to be looked at.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct Reason {
+    /// The robot.
+    pub robot: String,
+    /// Urgency; what spoils data comes before what spoils the robot, a change before a lasting
+    /// state, what is the robot's own before what others share. Each statement counts by the
+    /// probability that it is true.
+    pub weight: f64,
+    /// Standard deviation of the weight; each statement is true or false.
+    pub weight_std: f64,
+    /// Possible places, at 95 %; robots of one weight share their places.
+    pub places: [usize; 2],
+    /// Chance for a sound robot.
+    pub chance: f64,
+    /// The statements.
+    pub said: Vec<Statement>,
+    /// Why, in sentences.
+    pub why: String,
+}
+
+/// One thing that is said of a robot.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct Statement {
+    /// How urgent it is.
+    pub weight: f64,
+    /// Chance of a false statement; 0 of what files themselves state.
+    pub chance: f64,
+    /// What is said, as a sentence.
+    pub sentence: String,
+}
+
+impl Reason {
+    /// How often a sound robot is listed so, as words: `in 1 of 40 robots`.
+    pub fn chance_in_words(&self) -> String {
+        match self.chance {
+            p if p <= 0.0 => "never".to_string(),
+            p => format!("in {} robots", one_in(p)),
+        }
+    }
+
+    /// The places that the robot may have, as words: `1`, or `2 to 4`.
+    pub fn places_in_words(&self) -> String {
+        match self.places {
+            [first, last] if first == last => first.to_string(),
+            [first, last] => format!("{first} to {last}"),
+        }
+    }
+}
+
+impl Statement {
+    fn new(weight: f64, chance: f64, sentence: String) -> Statement {
+        Statement {
+            weight,
+            chance: chance.clamp(0.0, 1.0),
+            sentence,
+        }
+    }
+}
+
+fn reasons(histories: &[History], shared: &[Shared], changes: &[Change]) -> Vec<Reason> {
+    let of = |history: &History| {
+        let said = statements(history, shared, changes);
+        if said.is_empty() {
+            return None;
+        }
+        let true_part = |one: &Statement| one.weight * (1.0 - one.chance);
+        let variance = |one: &Statement| one.weight * one.chance * true_part(one);
+        let why: Vec<&str> = said.iter().map(|one| one.sentence.as_str()).collect();
+        Some(Reason {
+            robot: history.robot.to_string(),
+            weight: said.iter().map(true_part).sum(),
+            weight_std: said.iter().map(variance).sum::<f64>().sqrt(),
+            places: [0, 0],
+            chance: said.iter().map(|one| one.chance).product(),
+            why: why.join(" "),
+            said,
+        })
+    };
+    let mut reasons: Vec<Reason> = histories.iter().filter_map(of).collect();
+    reasons.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.robot.cmp(&b.robot)));
+    place(&mut reasons);
+    reasons
+}
+
+/// The places that each may have.
+fn place(reasons: &mut [Reason]) {
+    let known: Vec<(f64, f64)> = reasons.iter().map(|r| (r.weight, r.weight_std)).collect();
+    for (reason, own) in reasons.iter_mut().zip(&known) {
+        let is_before = |one: &(f64, f64), other: &(f64, f64)| {
+            // At 97.5 % of a normal number; sums of the same weights may differ in their last digits.
+            one.0 - other.0 > 1.959_963_985 * one.1.hypot(other.1) + 1e-9
+        };
+        let before = known.iter().filter(|one| is_before(one, own)).count();
+        let after = known.iter().filter(|one| is_before(own, one)).count();
+        reason.places = [before + 1, known.len() - after];
+    }
+}
+
+fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<Statement> {
+    let mut all = data(history);
+    let own = || changes.iter().filter(|c| c.robot == history.robot);
+    for change in own() {
+        let weight = match change.kind {
+            ChangeKind::Urdf => 1.0,
+            // The finding itself is said already.
+            ChangeKind::Health => 0.0,
+            ChangeKind::Effect | ChangeKind::Parameter => 4.0,
+        };
+        let sentence = format!("From {} on: {}", change.day, change.what);
+        let chance = change.chance.unwrap_or(0.0);
+        all.push(Statement::new(weight, chance, sentence));
+    }
+    for key in history.keys().into_iter().filter(|key| lasts(history, key)) {
+        let group = shared.iter().find(|group| {
+            (&group.effect, &group.target) == (&key.0, &key.1)
+                && group.robots.iter().any(|robot| robot == history.robot)
+        });
+        let (name, what) = (label((&key.0, &key.1)), subject(&key.0, &key.1));
+        match group {
+            Some(group) => {
+                let others = match group.robots.len().saturating_sub(1) {
+                    1 => "1 other".to_string(),
+                    n => format!("{n} others"),
+                };
+                let sentence = format!("It shares {what} with {others}.");
+                all.push(Statement::new(2.0, group.chance, sentence));
+            }
+            None if own().any(|change| change.target == name) => {}
+            None => {
+                let sentence = format!("It has {what}; no group of robots shares it.");
+                all.push(Statement::new(3.0, chance_of(history, &key), sentence));
+            }
+        }
+    }
+    all.extend(unexplained(history));
+    all.extend(errors(history));
+    all
+}
+
+/// Chance of an effect of the robot's own: by the evidence of the clearest day, any of which
+/// might have been it.
+fn chance_of(history: &History, key: &Key) -> f64 {
+    let rows: Vec<&Row> = history.usable().collect();
+    let known = rows.iter().filter_map(|row| found(row, key));
+    let most = known.map(|found| found.evidence).fold(0.0, f64::max);
+    let odds = (0.5 * most - (rows.len().max(1) as f64).ln()).exp();
+    1.0 / (1.0 + odds)
+}
+
+/// Chance that a sound robot has a finding on so many of its days or more.
+fn chance_of_days(count: usize, days: usize) -> f64 {
+    let law = Binomial::new(FALSE_FINDING, days as u64);
+    law.map_or(1.0, |law| law.sf((count as u64).saturating_sub(1)))
+}
+
+/// Findings about the data: those of two days or more, and those of the last.
+fn data(history: &History) -> Vec<Statement> {
+    struct Seen<'r> {
+        name: String,
+        weight: f64,
+        days: usize,
+        is_urgent: bool,
+        sentence: &'r str,
+    }
+    let rows = history.with_results();
+    let mut seen: Vec<Seen> = Vec::new();
+    for (at, row) in rows.iter().enumerate() {
+        for finding in &row.health {
+            let name = label((finding.kind.name(), &finding.target));
+            let unusable = finding.kind.makes_unusable();
+            match seen.iter_mut().find(|known| known.name == name) {
+                Some(known) => known.days += 1,
+                None => seen.push(Seen {
+                    name,
+                    weight: if unusable { 6.0 } else { 5.0 },
+                    days: 1,
+                    is_urgent: unusable || at + 1 == rows.len(),
+                    sentence: &finding.sentence,
+                }),
+            }
+        }
+    }
+    seen.retain(|seen| seen.days > 1 || seen.is_urgent);
+    let statement = |seen: Seen| {
+        let chance = chance_of_days(seen.days, rows.len());
+        Statement::new(seen.weight, chance, seen.sentence.to_string())
+    };
+    seen.into_iter().map(statement).collect()
+}
+
+/// Whether an effect is on two days or more and on most since the first of them, or clear on
+/// the last.
+fn lasts(history: &History, key: &Key) -> bool {
+    let rows: Vec<_> = history.usable().map(|row| found(row, key)).collect();
+    let Some(first) = rows.iter().position(Option::is_some) else {
+        return false;
+    };
+    let since = &rows[first..];
+    let count = since.iter().flatten().count();
+    let clear = since[since.len() - 1].is_some_and(|found| {
+        let mut sizes = found.parameters.keys().filter_map(|name| found.away(name));
+        sizes.any(|size| size.value.abs() > CLEAR * size.std)
+    });
+    (count > 1 && 2 * count >= since.len()) || clear
+}
+
+fn unexplained(history: &History) -> Option<Statement> {
+    let rows: Vec<&Row> = history.usable().collect();
+    let is_open = |row: &&&Row| row.verdict == Some(Verdict::Unexplained);
+    let count = rows.iter().filter(is_open).count();
+    let lasts = count > 1 && 2 * count >= rows.len();
+    lasts.then(|| {
+        let sentence = format!("{count} of {} days are unexplained.", rows.len());
+        Statement::new(3.5, chance_of_days(count, rows.len()), sentence)
+    })
+}
+
+fn errors(history: &History) -> Option<Statement> {
+    let failed = history.rows.iter().filter(|row| row.error.is_some());
+    let mut days: Vec<&str> = failed.map(|row| row.day.as_str()).collect();
+    let any = !days.is_empty();
+    days.retain(|day| !day.is_empty());
+    let sentence = || match days.is_empty() {
+        true => "Logs have errors.".to_string(),
+        false => format!("Logs have errors on {}.", days.join(", ")),
+    };
+    any.then(|| Statement::new(1.0, 0.0, sentence()))
+}
+
+#[cfg(test)]
+mod tests;

@@ -38,22 +38,12 @@ use serde::Serialize;
 use statrs::distribution::{Binomial, DiscreteCDF as _};
 use statrs::function::gamma::ln_gamma;
 
-use super::criteria::FALSE_ALARM;
-use super::criteria::shared::{ALIKE, LASTING, LEAST_WINDOW};
 use super::history::{History, Key, Said, absent, found, pooled, principal, said};
+use super::{ALIKE, FALSE_ALARM, LEAST_WINDOW, MOST};
 use crate::diagnose::subject;
 use crate::diagnose::words::{NamedValue, spoken};
 use crate::fleet::row::{Absent, Row, Size};
 use crate::observations::postures::range;
-
-/// 95 % of χ² with one degree of freedom.
-const CHI2: f64 = 3.841_458_820_694_124;
-/// Points at which the likelihood is looked at first.
-const POINTS: usize = 400;
-/// The first of them, in units of the smallest deviation, and the last, in units of all.
-const RANGE: (f64, f64) = (1e-3, 1e3);
-/// Halvings of an interval: to a part of 10⁻¹².
-const HALVINGS: usize = 40;
 
 /// An effect that robots share.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -186,7 +176,7 @@ fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
                 Said::No => {}
             }
         }
-        let lasts = possible as f64 >= LASTING * rows as f64;
+        let lasts = possible as f64 >= MOST * rows as f64;
         let (size, _) = pooled(&sizes).filter(|_| lasts)?;
         Some(Member {
             robot: history.robot,
@@ -352,22 +342,24 @@ fn interval(values: &[Size], estimate: f64) -> Option<[f64; 2]> {
     }
     let (low, high) = range(known.iter().map(|v| v.value));
     let (least, widest) = range(known.iter().map(|v| v.std));
-    let most = RANGE.1 * (high - low + widest);
-    let first = RANGE.0 * least;
-    let step = (most / first).ln() / (POINTS as f64 - 1.0);
-    let points = (0..POINTS).map(|k| first * (step * k as f64).exp());
+    let most = 1e3 * (high - low + widest);
+    let first = 1e-3 * least;
+    let step = (most / first).ln() / (399.0);
+    let points = (0..400).map(|k| first * (step * f64::from(k)).exp());
     let points = std::iter::once(0.0).chain(points);
     let points: Vec<(f64, f64)> = points.map(|tau| (tau, likelihood(&known, tau))).collect();
     let best = (0..points.len()).max_by(|&a, &b| points[a].1.total_cmp(&points[b].1))?;
     let top = points[best].1;
-    let level = top - 0.5 * CHI2;
+    // 95 % of χ² with one degree of freedom.
+    let level = top - 0.5 * 3.841_458_820_694_124;
     let is_in = |l: f64| l >= level;
     // The ends of the interval are between a point that is in it and the next that is not.
     let below = (0..best).rev().find(|at| !is_in(points[*at].1));
     let above = (best..points.len()).find(|at| !is_in(points[*at].1));
     let end = |inside: f64, outside: f64| {
         let (mut inside, mut outside) = (inside, outside);
-        for _ in 0..HALVINGS {
+        // To a part of 10⁻¹².
+        for _ in 0..40 {
             let middle = 0.5 * (inside + outside);
             match is_in(likelihood(&known, middle)) {
                 true => inside = middle,

@@ -1,93 +1,348 @@
-//! Stretches in which nothing stands on the sensor, and cells that are not plugged in.
+//! Rows in which nothing stands on the sensor, readings where no CoP can be, and what carries the
+//! robot.
+//!
+//! ```text
+//! box = hull(sole ∪ cells ∪ CoP by CAD ∪ most readings), wider by max(m, its diameter)
+//! m = half the diameter of the sole where the URDF has its shape, else 0.15 m
+//! ```
+//!
+//! A few rows beyond the box are left out. Where most readings are beyond cells and CAD, the log is
+//! of another frame; readings that scatter many times as much are in another unit, which is an
+//! effect and no finding, as is a wiring that brings CAD near those readings.
+
+use sesc_model::Model;
+use sesc_model::effects::other_sole_by_joints;
+use sesc_model::inertia::GRAVITY;
+use sesc_model::tape::{Tape, Values};
+use sesc_model::urdf::extents;
 
 use super::LogRows;
 use super::screen::LeftOut;
-use crate::health::criteria::{CAD_ELSEWHERE_M, FEW_ROWS, LOADED, MOST_LOST};
-use crate::health::{Finding, Kind, Picture};
-use crate::logs::LEAST_LOAD_N;
+use crate::evaluate::FASTEST;
+use crate::feet::Feet;
+use crate::health::criteria::{
+    BETTER, BEYOND_SOLE, FEW_ROWS, FLAT, FLAT_PART, FLAT_SWING, FORCE_KNOWN, FORCE_UNLIKE, LOADED,
+    MANY_ROWS, MARGIN_M, NEARLY_ALL, OTHER_UNIT, SPREAD, UNKNOWN_NOISE_M,
+};
+use crate::health::wirings::{Wirings, scatter};
+use crate::health::{Finding, Kind};
+use crate::logs::{LEAST_LOAD_N, Sidecar};
+use crate::observations::postures::range;
+use crate::robot::Robot;
+
+/// Least and greatest corner of a box, m.
+type Corners = [[f64; 2]; 2];
+
+/// The value below which a part of values lies.
+fn quantile(values: impl Iterator<Item = f64>, at: impl Fn(usize) -> usize) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(at(sorted.len())).copied()
+}
 
 /// Rows without load, or with a CoP of exactly zero where CAD has it elsewhere.
 pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let mut rules = LeftOut::default();
+    let load = |k: usize| rows.force(k).iter().sum::<f64>();
     if rows.cells > 0 {
-        let mut totals: Vec<f64> = (0..rows.len())
-            .map(|k| rows.force(k).iter().sum())
-            .collect();
-        totals.sort_by(f64::total_cmp);
-        let typical = totals[totals.len() / 2];
+        let typical = quantile((0..rows.len()).map(load), |n| n / 2)?;
         rules.least_load = Some((LOADED * typical).max(LEAST_LOAD_N));
     } else {
-        let elsewhere = |k: usize| rows.cad[k][0].hypot(rows.cad[k][1]) > CAD_ELSEWHERE_M;
+        let elsewhere = |k: usize| rows.cad[k][0].hypot(rows.cad[k][1]) > UNKNOWN_NOISE_M;
         let zero = |k: &usize| rows.reading[*k] == [0.0; 2] && elsewhere(*k);
         rules.zero = (0..rows.len()).filter(zero).count() >= FEW_ROWS;
     }
     let gone = |k: usize| !rules.keeps(rows.reading[k], rows.force(k));
     let lost: Vec<usize> = (0..rows.len()).filter(|&k| gone(k)).collect();
     let few = if rows.cells > 0 { 1 } else { FEW_ROWS };
-    if lost.len() < few || lost.len() as f64 > MOST_LOST * rows.len() as f64 {
+    if lost.len() < few || lost.len() as f64 > NEARLY_ALL * rows.len() as f64 {
         return None;
     }
-    let begins = |w: &&[usize]| w[1] > w[0] + 1;
-    let stretches = 1 + lost.windows(2).filter(begins).count();
+    let stretches = lost.chunk_by(|a, b| *b == a + 1).count();
     (left_out.least_load, left_out.zero) = (rules.least_load, rules.zero);
-    let what = match rows.cells {
-        0 => "the CoP is exactly zero",
-        _ => "next to nothing stands on the cells",
-    };
-    let share = 100.0 * lost.len() as f64 / rows.len() as f64;
-    let finding = Finding::new(
-        Kind::ContactLost,
-        "-",
-        format!(
-            "In {} ({share:.0} %, {stretches} {}) {what}: the foot lost contact or the sensor \
-             dropped out; they are left out. Check that the foot stands flat, and the sensor's cable.",
-            rows.some(lost.len()),
-            if stretches == 1 {
-                "stretch"
-            } else {
-                "stretches"
-            },
+    let (what, title) = match rows.cells {
+        0 => (
+            "the CoP is exactly zero",
+            "Distance of the CoP from the origin, mm",
         ),
-    );
-    let length = |k: usize| 1e3 * rows.reading[k][0].hypot(rows.reading[k][1]);
-    let load = |k: usize| rows.force(k).iter().sum::<f64>();
-    let (title, value): (&str, &dyn Fn(usize) -> f64) = match rows.cells {
-        0 => ("Distance of the CoP from the origin, mm", &length),
-        _ => ("Load on all cells, N", &load),
+        _ => (
+            "next to nothing stands on the cells",
+            "Load on all cells, N",
+        ),
     };
-    let picture = Picture::of(title, rows.len(), |k| rows.row(k), value, gone);
-    Some(finding.showing(picture))
+    let sentence = format!(
+        "In {} ({:.0} %, {stretches} {}) {what}: the foot lost contact or the sensor \
+         dropped out; they are left out. Check that the foot stands flat, and the sensor's cable.",
+        rows.some(lost.len()),
+        100.0 * lost.len() as f64 / rows.len() as f64,
+        if stretches == 1 {
+            "stretch"
+        } else {
+            "stretches"
+        },
+    );
+    let value = |k: usize| {
+        if rows.cells > 0 {
+            load(k)
+        } else {
+            1e3 * rows.distance(k)
+        }
+    };
+    Some(rows.finding((Kind::ContactLost, "-", sentence), title, value, gone))
 }
 
 /// Cells that never show a load while the others do.
 pub(super) fn unplugged(rows: &LogRows) -> Vec<Finding> {
-    let never = |cell: usize| {
-        let mut loads = (0..rows.len()).map(|k| rows.force(k)[cell]);
-        let first = loads.next().unwrap_or(0.0);
-        loads.all(|load| load == first)
-    };
-    let dead: Vec<usize> = (0..rows.cells).filter(|&cell| never(cell)).collect();
+    let load = |cell: usize| move |k: usize| rows.force(k)[cell];
+    let never = |cell: &usize| (1..rows.len()).all(|k| load(*cell)(k) == load(*cell)(0));
+    let dead: Vec<usize> = (0..rows.cells).filter(never).collect();
     if rows.len() < FEW_ROWS || dead.len() == rows.cells {
         return Vec::new();
     }
-    let sentence = |cell: usize| {
-        format!(
-            "fsr_{} shows {} N in every row while other cells change: it is not plugged in; \
-             check its cable. Until then the CoP is that of the other cells.",
-            cell + 1,
-            rows.force(0)[cell]
-        )
-    };
     let of = |cell: usize| {
-        let load = |k: usize| rows.force(k)[cell];
-        let title = format!("Load on fsr_{}, N", cell + 1);
-        let picture = Picture::of(&title, rows.len(), |k| rows.row(k), load, |_| true);
-        Finding::new(
-            Kind::ContactLost,
-            &format!("fsr_{}", cell + 1),
-            sentence(cell),
-        )
-        .showing(picture)
+        let name = format!("fsr_{}", cell + 1);
+        let sentence = format!(
+            "{name} shows {} N in every row while other cells change: it is not plugged in; \
+             check its cable. Until then the CoP is that of the other cells.",
+            load(cell)(0)
+        );
+        let about = (Kind::ContactLost, name.as_str(), sentence);
+        rows.finding(about, &format!("Load on {name}, N"), load(cell), |_| true)
     };
     dead.into_iter().map(of).collect()
+}
+
+/// Readings beyond the sole and every CoP that CAD predicts.
+pub(super) fn outside(rows: &LogRows, model: &Model, left_out: &mut LeftOut) -> Option<Finding> {
+    let everywhere = rows.cad.iter().chain(&rows.cad_of_degrees);
+    let mut all: Vec<[f64; 2]> = everywhere.chain(&rows.places).copied().collect();
+    let quantile = |part: f64| {
+        let at = |n: usize| (part * (n - 1) as f64).round() as usize;
+        [0, 1].map(|k| quantile(rows.reading.iter().map(|y| y[k]), at).unwrap_or(0.0))
+    };
+    let middle = quantile(0.5);
+    let elsewhere = |meant: &dyn Fn(usize) -> bool, sentence: String| {
+        let title = "Distance of the CoP from the origin, mm";
+        let about = (Kind::CopOutsideSole, "-", sentence);
+        Some(rows.finding(about, title, |k| 1e3 * rows.distance(k), meant))
+    };
+    if !within(&all, rows.sole)?.keeps(middle, &[]) {
+        if !in_another_unit(rows) && !is_wired_otherwise(rows, model, |_| true) {
+            let sentence = format!(
+                "Most readings lie beyond the sole and every CoP that CAD predicts, about {:.2} m \
+                 from the frame's origin: check that the support frame lies on the sole and that \
+                 the CoP is given in it, in metres.",
+                middle[0].hypot(middle[1])
+            );
+            return elsewhere(&|_| true, sentence);
+        }
+    } else {
+        // Wrong signs and loads spread readings wider than CAD: most of them are no fault.
+        all.extend([SPREAD.0, SPREAD.1].map(quantile));
+        let inside = within(&all, rows.sole)?;
+        let beyond = |k: usize| !inside.keeps(rows.reading[k], &[]);
+        let total = rows.len();
+        let count = (0..total).filter(|k| beyond(*k)).count();
+        if count > 0 && count as f64 <= MANY_ROWS * total as f64 {
+            if is_wired_otherwise(rows, model, beyond) {
+                return None;
+            }
+            left_out.sole = inside.sole;
+            let sentence = format!(
+                "The CoP of {count} of {} lies beyond the sole and every CoP that CAD predicts, \
+                 up to {:.2} m from the frame's origin: these rows are left out; check the sensor's \
+                 cable and the topic.",
+                rows.total(),
+                range((0..total).map(|k| rows.distance(k))).1
+            );
+            return elsewhere(&beyond, sentence);
+        }
+    }
+    // Most readings beyond what the sole can carry, where CAD has the robot balanced on it.
+    let sole = wider(rows.sole?, |diameter| BEYOND_SOLE * diameter);
+    let beyond = |y: &[f64; 2]| !sole.keeps(*y, &[]);
+    let part =
+        |all: &[[f64; 2]]| all.iter().filter(|y| beyond(y)).count() as f64 / rows.len() as f64;
+    if part(&rows.reading) <= 0.5 || part(&rows.cad) > MANY_ROWS {
+        return None;
+    }
+    let sentence = format!(
+        "{:.0} % of the readings lie beyond the sole, which no ground can push there, and CAD has \
+         the robot balanced on it: the CoP is in another unit, of another frame, or of a force and \
+         moments in different units.",
+        100.0 * part(&rows.reading)
+    );
+    elsewhere(&|k| beyond(&rows.reading[k]), sentence)
+}
+
+/// Whether a wiring brings CAD's CoP near the readings of some of the rows.
+fn is_wired_otherwise(rows: &LogRows, model: &Model, which: impl Fn(usize) -> bool) -> bool {
+    let chosen: Vec<usize> = (0..rows.len()).filter(|k| which(*k)).collect();
+    Wirings::new(model, &rows.postures(rows.as_read(&chosen))).nearer() < BETTER
+}
+
+fn diameter([low, high]: Corners) -> f64 {
+    (high[0] - low[0]).hypot(high[1] - low[1])
+}
+
+/// Rules for readings in a box that is wider by a margin, which its diameter says.
+fn wider(corners: Corners, margin: impl Fn(f64) -> f64) -> LeftOut {
+    let margin = margin(diameter(corners));
+    let [low, high] = corners;
+    LeftOut {
+        sole: Some([low.map(|x| x - margin), high.map(|x| x + margin)]),
+        ..LeftOut::default()
+    }
+}
+
+/// The box around places and the sole, wider by half the diameter of the sole where its shape is
+/// known, and by that of the places.
+fn within(places: &[[f64; 2]], sole: Option<Corners>) -> Option<LeftOut> {
+    let [x, y] = [0, 1].map(|k| range(places.iter().map(|p| p[k])));
+    let (mut low, mut high) = ([x.0, y.0], [x.1, y.1]);
+    let size = diameter([low, high]);
+    let mut least = MARGIN_M;
+    if let Some([from, to]) = sole {
+        least = 0.5 * diameter([from, to]);
+        low = [0, 1].map(|k| low[k].min(from[k]));
+        high = [0, 1].map(|k| high[k].max(to[k]));
+    }
+    size.is_finite()
+        .then(|| wider([low, high], |_| least.max(size)))
+}
+
+/// Whether readings scatter by more than CAD says, as they do in another unit.
+fn in_another_unit(rows: &LogRows) -> bool {
+    let scatter =
+        |all: &[[f64; 2]]| [0, 1].map(|k| scatter(&all.iter().map(|p| p[k]).collect::<Vec<f64>>()));
+    let [x, y] = scatter(&rows.cad);
+    let read = scatter(&rows.reading);
+    read.iter().any(|own| *own > OTHER_UNIT * x.max(y))
+}
+
+/// Corners of the sole, m, by the collision shapes of all links fixed to the support, in its
+/// frame, seen from above; none where the URDF has no shapes there but meshes.
+pub(super) fn corners(robot: &Robot, model: &Model) -> Option<Corners> {
+    let description = &robot.description;
+    let boxes = extents(description).ok()?;
+    let mut corners: Option<Corners> = None;
+    for (name, extent) in description.link_names().zip(boxes) {
+        let link = model.tree.links.iter().position(|link| link.name == name);
+        let place = link.and_then(|link| model.chain.places[link]);
+        let place = place.filter(|place| place.body == 0);
+        let (Some(extent), Some(place)) = (extent, place) else {
+            continue;
+        };
+        let (rows, origin) = (place.orientation(), place.origin());
+        for corner in 0..8 {
+            let local = [0, 1, 2].map(|axis| match corner >> axis & 1 {
+                0 => extent.low[axis],
+                _ => extent.high[axis],
+            });
+            let at = [0, 1].map(|axis| {
+                let turned = rows[axis].iter().zip(local).map(|(a, b)| a * b);
+                origin[axis] + turned.sum::<f64>()
+            });
+            let [low, high] = corners.unwrap_or([at, at]);
+            corners = Some([
+                [0, 1].map(|axis| at[axis].min(low[axis])),
+                [0, 1].map(|axis| at[axis].max(high[axis])),
+            ]);
+        }
+    }
+    corners
+}
+
+/// A typical total force that is not the weight by CAD.
+pub(super) fn unlike_weight(rows: &LogRows, model: &Model, left_out: &LeftOut) -> Option<Finding> {
+    if rows.load.len() != rows.len() || rows.both_feet == Some(true) && rows.cells > 0 {
+        return None;
+    }
+    let kept = rows.kept(left_out);
+    let typical = quantile(kept.iter().map(|&k| rows.load[k]), |n| n / 2)?;
+    let weight = model.tree.mass * GRAVITY;
+    let ratio = typical / weight;
+    if ratio <= 0.0 || (1.0 / FORCE_UNLIKE..FORCE_UNLIKE).contains(&ratio) {
+        return None;
+    }
+    // What makes a force so many times the weight.
+    let causes = [
+        (1.0 / 9.80665, "it is in kgf (1 kgf is 9.81 N)"),
+        (1.0 / 4.448_222, "it is in lbf (1 lbf is 4.45 N)"),
+        (1e3 / 9.80665, "it is in gf (1 gf is 9.81 mN)"),
+        (1e3, "it is in mN"),
+        (1e-3, "it is in kN"),
+        (0.5, "the other foot carries as much"),
+        (2.0, "it is counted twice"),
+    ];
+    let off = |known: f64| (ratio / known).ln().abs();
+    let cause = causes.iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
+    let cause = cause.filter(|(known, _)| off(*known) < FORCE_KNOWN.ln());
+    let why = match cause {
+        Some((_, why)) => format!("as if {why}"),
+        None => "as of another robot, a sensor with a wrong scale, or counts of a converter".into(),
+    };
+    let unit = match rows.cells {
+        0 => {
+            "a CoP of this force and of moments in N m is wrong by the same factor: correct the \
+              force"
+        }
+        _ => "the CoP of cells does not depend on their unit, but does on cells that are missing",
+    };
+    let sentence = format!(
+        "The total force is typically {typical:.3} N and the weight by CAD {weight:.3} N, {why}; \
+         {unit}."
+    );
+    let about = (Kind::ForceUnlikeWeight, "-", sentence);
+    Some(rows.finding(about, "Total force, N", |k| rows.load[k], |_| true))
+}
+
+/// The other sole on the floor in nearly all rows, while joints between both soles move and nobody
+/// said how many feet stand.
+pub(super) fn both_flat(rows: &LogRows, model: &Model) -> Option<Finding> {
+    let (dof, n) = (rows.dof, rows.len());
+    if rows.both_feet.is_some() || dof == 0 {
+        return None;
+    }
+    let feet = Feet {
+        both: Some(true),
+        other: None,
+    };
+    let other = feet.of(&Sidecar::default(), model).ok()??;
+    let tape = Tape::new(&other_sole_by_joints(model, other.place()));
+    let width = tape.outputs();
+    let mut out = vec![0.0; n * width];
+    tape.run(&[Values::PerPosture(&rows.q)], n, &mut out, FASTEST);
+    // Height, roll and pitch, each with its slopes by all joints.
+    let at = |k: usize, row: usize| out[k * width + row * (1 + dof)];
+    let limits = [FLAT.0, FLAT.1, FLAT.1];
+    let flat = |k: &usize| (0..3).all(|row| at(*k, row).abs() < limits[row]);
+    let flat: Vec<usize> = (0..n).filter(flat).collect();
+    if (flat.len() as f64) < FLAT_PART * n as f64 {
+        return None;
+    }
+    let between = |j: &usize| (0..3).any(|row| out[row * (1 + dof) + 1 + j].abs() > 1e-6);
+    let swings = |j: usize| {
+        let (low, high) = range(rows.q.iter().skip(j).step_by(dof).copied());
+        high - low > FLAT_SWING
+    };
+    if !(0..dof).filter(between).any(swings) {
+        return None;
+    }
+    let most = |row: usize| range(flat.iter().map(|&k| at(k, row).abs())).1.max(0.0);
+    let sentence = format!(
+        "In {} of {} the sole of `{}` lies flat on the floor of `{}`, too (within {:.1} mm and \
+         {:.1}°): if both feet carry the robot, say `both_feet = true` in the sidecar; the CoP is \
+         then that of both, and the soles tell offsets of joints. If one foot does, say \
+         `both_feet = false`.",
+        flat.len(),
+        rows.total(),
+        other.name,
+        model.support(),
+        1e3 * most(0),
+        most(1).max(most(2)).to_degrees(),
+    );
+    let title = format!("Height of {} over the floor, mm", other.name);
+    let about = (Kind::BothFeetFlat, other.name.as_str(), sentence);
+    Some(rows.finding(about, &title, |k| 1e3 * at(k, 0), |_| true))
 }

@@ -12,23 +12,22 @@
 //! stamps     joints jump from stamp to stamp and not from row to row, or time runs backwards
 //! ```
 //!
-//! [`ROWS`] rows are looked at; of longer logs, whatever their format, a first stretch and short
-//! ones over the rest ([`sample`]). What is found wrong in them is left out of the whole log by a
+//! Of a short log all rows are looked at, of a long one, whatever its format, stretches:
+//!
+//! ```text
+//! │ FIRST rows │   │ PIECE │   │ PIECE │  …  │ PIECE │        ROWS in all, the last at the end
+//! ```
+//!
+//! Between the pieces the file is passed over without being parsed; messages of a recording (MCAP)
+//! are read, and their rows not kept. A log whose length is not known (a pipe) is looked at from
+//! its first row on. What is found wrong is left out of the whole log by a
 //! [`Screen`](crate::logs::Screen), and the rest is used.
 
 mod channels;
 mod contact;
-mod copies;
-mod digits;
-mod frozen;
-mod leaps;
-mod load;
-mod noise;
-mod outside;
-mod sample;
+pub(super) mod noise;
 mod screen;
-mod stamps;
-pub(super) mod standing;
+mod times;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -37,27 +36,28 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::tree::Dof;
 use sesc_model::{Function, Model};
 
-use super::criteria::FEW_ROWS;
-use super::{Finding, Row};
+use super::criteria::{FEW_ROWS, SHOWS, UNKNOWN_NOISE_M};
+use super::finding::{Finding, Kind, Picture, Row};
+use super::wirings::{evenly, rms_of_gaps};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, PostureReader};
 use crate::observations::correlation;
+use crate::observations::motion::{Plan, Wanted};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, rms};
 use crate::observations::rows::CopRows;
+use crate::observations::zmp::Zmp;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
-use sample::Sample;
-use screen::Everything;
 pub(super) use screen::{LeftOut, Parked};
 
 /// Rows that are looked at, at most.
-pub(super) const ROWS: usize = 50_000;
-/// Half the time over which an acceleration is looked at, s.
-const SWING_S: f64 = 0.15;
-/// Rows that masses are fitted to, at most.
-const FITTED: usize = 1000;
+const ROWS: usize = 50_000;
+/// Rows before the first gap: a chunk of the reader, which tells how long rows are.
+const FIRST: usize = 4096;
+/// Rows between gaps: 10 s at 100 Hz.
+const PIECE: usize = 1024;
 
 /// Rows of a log on one support.
 #[derive(Default)]
@@ -82,9 +82,9 @@ pub(super) struct LogRows {
     pub pose: Vec<i64>,
     /// s; empty of logs without.
     pub t: Vec<f64>,
-    /// Noise of a row, m, where it is known: RMS where rows have their own.
+    /// Noise of a row, m, where it is known, and where it is known from: RMS where rows have
+    /// their own.
     pub noise: Option<f64>,
-    /// Where it is known from, if it is.
     noise_source: Option<NoiseSource>,
     /// What rows state of it themselves, m; empty where they do not, or the user says it.
     std: Vec<[f64; 2]>,
@@ -103,22 +103,29 @@ impl LogRows {
 
     /// Some of the rows, in words that say what they are part of where that is not the log.
     pub fn some(&self, count: usize) -> String {
-        match self.is_part {
-            true => format!("{count} of {}", self.total()),
-            false => format!("{count} rows"),
+        if self.is_part {
+            return format!("{count} of {}", self.total());
         }
+        format!("{count} rows")
     }
 
     /// All rows, in words that say what they are part of.
     pub fn total(&self) -> String {
-        match self.is_part {
-            true => format!("{} rows that were looked at", self.len()),
-            false => format!("{} rows", self.len()),
-        }
+        let looked_at = if self.is_part {
+            " that were looked at"
+        } else {
+            ""
+        };
+        format!("{} rows{looked_at}", self.len())
     }
 
     pub fn q(&self, row: usize) -> &[f64] {
         &self.q[row * self.dof..(row + 1) * self.dof]
+    }
+
+    /// Joint positions of some of the rows, one after the other.
+    fn positions(&self, rows: impl Iterator<Item = usize>) -> Vec<f64> {
+        rows.flat_map(|row| self.q(row)).copied().collect()
     }
 
     /// A row as figures show it.
@@ -130,24 +137,42 @@ impl LogRows {
         }
     }
 
-    /// Some of the rows as postures, with their readings as they are.
-    pub fn postures(&self, chosen: &[usize]) -> Postures {
-        let read: Vec<(usize, [f64; 2])> = chosen.iter().map(|&k| (k, self.reading[k])).collect();
-        self.postures_of(&read)
+    /// A finding with a picture of one value of every row.
+    pub fn finding(
+        &self,
+        (kind, target, sentence): (Kind, &str, String),
+        title: &str,
+        value: impl Fn(usize) -> f64,
+        meant: impl Fn(usize) -> bool,
+    ) -> Finding {
+        let picture = Picture::of(title, self.len(), |k| self.row(k), value, meant);
+        Finding::new(kind, target, sentence).showing(picture)
     }
 
     /// Some of the rows as postures, with the readings that are given.
-    pub fn postures_of(&self, read: &[(usize, [f64; 2])]) -> Postures {
-        let q = read.iter().flat_map(|(k, _)| self.q(*k));
-        let q: Vec<f64> = q.copied().collect();
-        let pose: Vec<i64> = read.iter().map(|(k, _)| self.pose[*k]).collect();
-        let cop: Vec<f64> = read.iter().flat_map(|(_, y)| *y).collect();
+    pub fn postures(&self, read: impl Iterator<Item = (usize, [f64; 2])> + Clone) -> Postures {
+        let q = self.positions(read.clone().map(|(k, _)| k));
+        let pose: Vec<i64> = read.clone().map(|(k, _)| self.pose[k]).collect();
+        let cop: Vec<f64> = read.flat_map(|(_, y)| y).collect();
         Postures::of_rows(self.dof, (&pose, &q, &cop), self.noise, 0.0)
+    }
+
+    /// Some of the rows with their readings as they are.
+    pub fn as_read<'a>(
+        &'a self,
+        rows: &'a [usize],
+    ) -> impl Iterator<Item = (usize, [f64; 2])> + Clone {
+        rows.iter().map(|&k| (k, self.reading[k]))
     }
 
     /// Forces of the cells of a row, N; none where the log has a CoP.
     pub fn force(&self, row: usize) -> &[f64] {
         &self.force[row * self.cells..(row + 1) * self.cells]
+    }
+
+    /// Distance of the reading from the origin, m.
+    fn distance(&self, row: usize) -> f64 {
+        self.reading[row][0].hypot(self.reading[row][1])
     }
 
     /// Rows that stay by these rules, stopped encoders and copies aside.
@@ -170,14 +195,13 @@ impl LogRows {
         let dofs = &model.tree.dofs;
         let (mut rows, averaged) =
             LogRows::gather(log, dofs, Some(model.support()), options, watch)?;
-        let single = (1.0 - averaged).sqrt();
         if let Some(noise) = noise {
-            rows.noise = Some(noise * single);
+            rows.noise = Some(noise * (1.0 - averaged).sqrt());
             rows.noise_source = Some(NoiseSource::Given);
             rows.std = Vec::new();
         }
-        copies::check_distinct(&rows, log.name())?;
-        rows.sole = outside::corners(robot, model);
+        channels::check_distinct(&rows, log.name())?;
+        rows.sole = contact::corners(robot, model);
         rows.predict(model);
         Ok(rows)
     }
@@ -191,7 +215,7 @@ impl LogRows {
         options: &Options,
         watch: &mut dyn Watch,
     ) -> Result<(LogRows, f64), Error> {
-        let log = log.clone().screened(Arc::new(Everything));
+        let log = log.clone().screened(Arc::new(LeftOut::default()));
         let mut reader = PostureReader::open(&log, dofs, options)?;
         let mut rows = LogRows {
             dof: dofs.len(),
@@ -231,8 +255,8 @@ impl LogRows {
         self.t.extend(block.t.unwrap_or_default());
         self.reading.extend(block.reading.unwrap_or_default());
         self.std.extend(block.std.unwrap_or_default());
-        self.load
-            .extend(block.load.iter().flatten().map(|load| load.abs()));
+        let loads = block.load.iter().flatten().map(|load| load.abs());
+        self.load.extend(loads);
         if let Some(cells) = block.cells {
             if block.load.is_none() {
                 let loads = cells.force.chunks_exact(cells.count.max(1));
@@ -247,50 +271,92 @@ impl LogRows {
     /// What free masses, and what CAD's CoM does to the CoP where it is accelerated, leave of
     /// one channel, m, in some of the rows; none where these are too few to tell.
     fn left_by_masses(&self, model: &Model, rows: &[usize], channel: usize) -> Option<f64> {
-        let stride = rows.len().div_ceil(FITTED).max(1);
-        let rows: Vec<usize> = rows.iter().copied().step_by(stride).collect();
-        let q: Vec<f64> = rows.iter().flat_map(|row| self.q(*row)).copied().collect();
+        let rows = evenly(rows.iter().copied(), 1000);
+        let q = self.positions(rows.iter().copied());
         let all = CopRows::new(model).fastest().of(&q, rows.len(), None);
         let swings = self.t.len() == self.len();
+        // CAD's CoP bends as its acceleration does, over 0.15 s either way.
         let reach = match correlation::step(&self.t).filter(|_| swings) {
-            Some(step) => (SWING_S / step).round().max(1.0) as usize,
+            Some(step) => (0.15 / step).round().max(1.0) as usize,
             None => self.len(),
         };
+        let bend = |row: usize| {
+            let at = |row: usize| self.cad[row][channel];
+            let inside = row >= reach && row + reach < self.len();
+            inside.then(|| at(row - reach) - 2.0 * at(row) + at(row + reach))
+        };
         let columns = all.ncols();
-        let x = DMatrix::from_fn(rows.len(), columns + 1, |k, column| {
-            match column < columns {
-                true => all[(2 * k + channel, column)],
-                false => self.bend(rows[k], reach, channel),
+        let entry = |k: usize, column: usize| {
+            if column < columns {
+                all[(2 * k + channel, column)]
+            } else {
+                bend(rows[k]).unwrap_or(0.0)
             }
-        });
+        };
+        let x = DMatrix::from_fn(rows.len(), columns + 1, entry);
         let y = DVector::from_fn(rows.len(), |k, _| self.reading[rows[k]][channel]);
         let (square, df) = correlation::left(&x, &y);
         (df >= FEW_ROWS as f64).then(|| square.sqrt())
     }
 
-    /// How CAD's CoP bends over `reach` rows either way, m: as its acceleration does.
-    fn bend(&self, row: usize, reach: usize, channel: usize) -> f64 {
-        match row >= reach && row + reach < self.len() {
-            true => {
-                let at = |row: usize| self.cad[row][channel];
-                at(row - reach) - 2.0 * at(row) + at(row + reach)
-            }
-            false => 0.0,
-        }
-    }
-
     fn predict(&mut self, model: &Model) {
         let cop = Evaluator::new(model, Function::Cop).fastest();
-        let pairs = |q: &[f64]| -> Vec<[f64; 2]> {
-            let flat = cop.run(q, self.len());
-            flat.chunks_exact(2).map(|p| [p[0], p[1]]).collect()
-        };
-        let scale = |(k, q): (usize, &f64)| match model.tree.dofs[k % self.dof].prismatic {
-            true => *q,
-            false => q.to_radians(),
-        };
-        let degrees: Vec<f64> = self.q.iter().enumerate().map(scale).collect();
+        let pairs = |q: &[f64]| cop.run(q, self.len()).as_chunks().0.to_vec();
+        let degrees = self.q.iter().enumerate().map(|(k, q)| {
+            if model.tree.dofs[k % self.dof].prismatic {
+                *q
+            } else {
+                q.to_radians()
+            }
+        });
+        let degrees: Vec<f64> = degrees.collect();
         (self.cad, self.cad_of_degrees) = (pairs(&self.q), pairs(&degrees));
+    }
+
+    /// The `chosen` rows as postures: as they were read, and without what motion adds to their
+    /// readings where they are far from CAD.
+    pub fn views(&self, chosen: &[usize], model: &Model) -> (Postures, Option<Postures>) {
+        let gap = |(k, y): (usize, [f64; 2])| [0, 1].map(|axis| y[axis] - self.cad[k][axis]);
+        let as_read = rms_of_gaps(self.as_read(chosen).map(gap));
+        let least = self.noise.map_or(UNKNOWN_NOISE_M, |noise| SHOWS * noise);
+        let still = if as_read < least {
+            None
+        } else {
+            self.still(chosen, model)
+        };
+        let still = still.map(|still| self.postures(still.into_iter()));
+        (self.postures(self.as_read(chosen)), still)
+    }
+
+    /// Those of the `chosen` rows whose motion is known, and their readings as of a robot that
+    /// stands, y − (ZMP − CoP) by CAD; none where it does stand, or the log is not dense enough
+    /// in time.
+    fn still(&self, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
+        if self.t.is_empty() || self.t.len() != self.len() {
+            return None;
+        }
+        let plan = Plan::of(&self.t, &self.q, self.dof)?;
+        let motion = plan.motion((&self.t, &self.q, self.dof), 0..self.len(), Wanted::Alone)?;
+        let known = chosen.iter().copied().filter(|&k| motion.known[k]);
+        let known: Vec<usize> = known.collect();
+        let of = |all: &[f64]| -> Vec<f64> {
+            let row = |&k: &usize| all[k * self.dof..(k + 1) * self.dof].iter().copied();
+            known.iter().flat_map(row).collect()
+        };
+        let (rates, gains) = (of(&motion.rates), of(&motion.gains));
+        let level = vec![[0.0; 2]; known.len()];
+        let zmp = Zmp::new(model);
+        let shifts = zmp.shifts(
+            &model.cad_params(),
+            &of(&self.q),
+            (&rates[..], &gains[..]),
+            &level,
+        );
+        let without = |((k, y), shift): ((usize, [f64; 2]), [f64; 2])| {
+            (k, [0, 1].map(|axis| y[axis] - shift[axis]))
+        };
+        let still: Vec<_> = self.as_read(&known).zip(shifts).map(without).collect();
+        (!still.is_empty()).then_some(still)
     }
 }
 
@@ -323,8 +389,8 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
     }
     findings.extend(contact::unplugged(&rows));
     findings.extend(channels::saturated(&rows, None, &mut left_out));
-    findings.extend(copies::of(&rows, &mut left_out));
-    findings.extend(stamps::shuffled(&rows));
+    findings.extend(channels::copied(&rows, &mut left_out));
+    findings.extend(times::stamps_of_other_rows(&rows));
     Ok(findings)
 }
 
@@ -335,16 +401,80 @@ pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
     if rows.len() < FEW_ROWS {
         return (left_out, findings);
     }
-    findings.extend(stamps::shuffled(rows));
-    findings.extend(leaps::of(rows, &model.tree.dofs));
+    findings.extend(times::stamps_of_other_rows(rows));
+    findings.extend(times::leaps(rows, &model.tree.dofs));
     findings.extend(contact::lost(rows, &mut left_out));
     findings.extend(contact::unplugged(rows));
-    findings.extend(load::unlike_weight(rows, model, &left_out));
-    findings.extend(load::both_flat(rows, model));
-    findings.extend(outside::sole(rows, model, &mut left_out));
-    findings.extend(frozen::stretches(rows, &mut left_out));
+    findings.extend(contact::unlike_weight(rows, model, &left_out));
+    findings.extend(contact::both_flat(rows, model));
+    findings.extend(contact::outside(rows, model, &mut left_out));
+    findings.extend(channels::frozen(rows, &mut left_out));
     findings.extend(channels::saturated(rows, Some(model), &mut left_out));
-    findings.extend(copies::of(rows, &mut left_out));
+    findings.extend(channels::copied(rows, &mut left_out));
     findings.extend(noise::beside_cad(rows, model, &left_out));
     (left_out, findings)
+}
+
+/// How far a log was looked at.
+#[derive(Default)]
+struct Sample {
+    /// Rows that were taken.
+    taken: usize,
+    /// Rows that were passed over, about.
+    passed: u64,
+    /// Pieces that are to come; none where rows follow each other.
+    to_come: Option<u64>,
+    /// Whether rows may be left that were not looked at.
+    is_part: bool,
+}
+
+impl Sample {
+    /// The next rows that are looked at; none after the last.
+    ///
+    /// # Errors
+    /// What is wrong with the log.
+    fn next(&mut self, reader: &mut PostureReader) -> Result<Option<Block>, Error> {
+        let block = match self.to_come {
+            _ if self.taken >= ROWS => return Ok(None),
+            // Rows of the end may still wait for the end of their stay.
+            Some(0) => reader.block(PIECE).unwrap_or_default(),
+            Some(pieces) => {
+                let Some(rows) = self.rows_left(reader) else {
+                    return Ok(None);
+                };
+                let between = (rows / pieces).saturating_sub(PIECE as u64);
+                // Behind a gap a quoted line end may look like a row; who reads all of the log
+                // says what is wrong with it.
+                let piece = reader.skip(between, PIECE);
+                let Ok(block) = piece.and_then(|_| reader.block(PIECE)) else {
+                    return Ok(None);
+                };
+                self.passed += between;
+                self.to_come = Some(pieces - 1);
+                block
+            }
+            None => {
+                let block = reader.block(FIRST)?;
+                let left = ROWS - FIRST;
+                let is_long = self.taken == 0 && self.rows_left(reader).unwrap_or(0) > left as u64;
+                if is_long && reader.skip(0, PIECE)? {
+                    (self.to_come, self.is_part) = (Some((left / PIECE) as u64), true);
+                }
+                block
+            }
+        };
+        self.taken += block.len();
+        self.is_part |= self.taken >= ROWS;
+        Ok((!block.is_empty()).then_some(block))
+    }
+
+    /// About so many rows are behind the last one, if they are as long as those before; none
+    /// where that is not known.
+    fn rows_left(&self, reader: &PostureReader) -> Option<u64> {
+        let (done, total) = reader.progress();
+        // More than were given out where rows wait for the end of their stay.
+        let rows = (reader.taken() + self.passed).max(1);
+        let per_row = done as f64 / rows as f64;
+        Some((total?.saturating_sub(done) as f64 / per_row.max(1e-9)) as u64)
+    }
 }

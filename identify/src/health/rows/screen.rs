@@ -1,23 +1,28 @@
-//! Rows that are left out of a log, by the rules that a look at it made.
+//! Rows that are left out of a log, by the rules that a look at it made; and digits, which tell
+//! rows apart.
 
 use std::collections::HashSet;
 
-use super::digits::{key, reading_of};
+use sesc_model::hash::{START, fnv1a};
+
 use crate::health::criteria::STILL;
 use crate::logs::{Screen, Screening};
 
-/// Takes rows without contact as they are, to look at them.
-#[derive(Debug)]
-pub(super) struct Everything;
+/// What tells a row: its joints and what was read, to the last bit.
+pub(super) fn key(q: &[f64], reading: &[f64]) -> u64 {
+    let values = q.iter().chain(reading);
+    values.fold(START, |hash, value| {
+        fnv1a(hash, &value.to_bits().to_le_bytes())
+    })
+}
 
-impl Screen for Everything {
-    fn start(&self) -> Screening {
-        Box::new(|_| {})
-    }
+/// What was read: the forces where there are cells, else the CoP.
+pub(super) fn reading_of<'a>(cop: &'a [f64; 2], force: &'a [f64]) -> &'a [f64] {
+    if force.is_empty() { cop } else { force }
 }
 
 /// An end of a channel of the CoP.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::health) struct End {
     /// 0 or 1.
     pub channel: usize,
@@ -28,7 +33,7 @@ pub(in crate::health) struct End {
 }
 
 /// An encoder that stops for a while.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::health) struct Parked {
     /// Number of the joint.
     pub joint: usize,
@@ -36,8 +41,8 @@ pub(in crate::health) struct Parked {
     pub at: f64,
 }
 
-/// Rules for single rows.
-#[derive(Debug, Clone, Default)]
+/// Rules for single rows. Those of the default leave out nothing, also no rows without contact.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::health) struct LeftOut {
     /// Less in total on the cells is no contact, N.
     pub least_load: Option<f64>,
@@ -58,18 +63,6 @@ pub(in crate::health) struct LeftOut {
 }
 
 impl LeftOut {
-    /// Whether every row stays as it is.
-    pub fn is_nothing(&self) -> bool {
-        self.least_load.is_none()
-            && !self.zero
-            && self.sole.is_none()
-            && self.ends.is_empty()
-            && self.frozen.is_empty()
-            && self.parked.is_empty()
-            && !self.copies
-            && self.steps == [0.0; 2]
-    }
-
     /// Whether encoders at positions `q` follow their joints.
     pub fn follows(&self, q: &[f64]) -> bool {
         let parked = |parked: &Parked| (q[parked.joint] - parked.at).abs() <= STILL;
@@ -78,23 +71,22 @@ impl LeftOut {
 
     /// Whether a row of this reading, and these loads, stays.
     pub fn keeps(&self, reading: [f64; 2], force: &[f64]) -> bool {
-        let standing = self
-            .least_load
-            .is_none_or(|least| force.iter().sum::<f64>() >= least);
-        let seen = !self.zero || reading != [0.0; 2];
-        let inside = self
-            .sole
-            .is_none_or(|[low, high]| (0..2).all(|k| (low[k]..=high[k]).contains(&reading[k])));
+        let load = || force.iter().sum::<f64>();
+        let is_in =
+            |[low, high]: [[f64; 2]; 2]| (0..2).all(|k| (low[k]..=high[k]).contains(&reading[k]));
         let beyond = |end: &End| match end.upper {
             true => reading[end.channel] >= end.at,
             false => reading[end.channel] <= end.at,
         };
-        let stale = || match force {
+        let is_stale = || match force {
             [] => (0..2).any(|k| self.frozen.contains(&(k, reading[k].to_bits()))),
             force => self.frozen.contains(&(0, key(&[], force))),
         };
-        let stale = !self.frozen.is_empty() && stale();
-        standing && seen && inside && !stale && !self.ends.iter().any(beyond)
+        self.least_load.is_none_or(|least| load() >= least)
+            && !(self.zero && reading == [0.0; 2])
+            && self.sole.is_none_or(is_in)
+            && (self.frozen.is_empty() || !is_stale())
+            && !self.ends.iter().any(beyond)
     }
 }
 
@@ -107,16 +99,15 @@ impl Screen for LeftOut {
                 return;
             };
             let dof = block.q.len() / block.len().max(1);
-            let force = |row: usize| match &block.cells {
-                Some(cells) => &cells.force[row * cells.count..(row + 1) * cells.count],
-                None => &[],
-            };
             let mut keep = |row: usize| {
                 let q = &block.q[row * dof..(row + 1) * dof];
-                let own = || key(q, &reading_of(reading[row], force(row)));
-                rules.keeps(reading[row], force(row))
+                let force = match &block.cells {
+                    Some(cells) => &cells.force[row * cells.count..(row + 1) * cells.count],
+                    None => &[],
+                };
+                rules.keeps(reading[row], force)
                     && rules.follows(q)
-                    && (!rules.copies || known.insert(own()))
+                    && (!rules.copies || known.insert(key(q, reading_of(&reading[row], force))))
             };
             let keep: Vec<bool> = (0..block.len()).map(&mut keep).collect();
             block.retain(&keep);

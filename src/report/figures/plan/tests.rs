@@ -2,8 +2,8 @@
 
 use super::{efficiency, joints};
 use crate::report::svg::tests::sound;
-use sesc_identify::plan::efficiency::Efficiency;
-use sesc_identify::plan::joint_use::JointUse;
+use sesc_identify::plan::Efficiency;
+use sesc_identify::plan::JointUse;
 
 #[test]
 fn figures_of_nothing_and_of_odd_numbers() {

@@ -1,17 +1,16 @@
 //! Collision shapes of a robot as solids: what is not understood is a note, never a
 //! failure.
 //!
-//! A mesh is taken as the box around it where its file can be read, see
-//! `super::mesh`.
+//! A mesh is taken as the box around it where its file can be read: STL, binary or text.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use nalgebra::{Rotation3, Vector3};
+use sesc_model::files;
 use sesc_model::text::listed;
 use sesc_model::urdf::{self, Collision, Description, Origin};
 
-use super::mesh;
 use crate::poses::Pose;
 
 /// A solid about its own centre, m; cylinders and capsules along z.
@@ -150,7 +149,7 @@ fn solid(collision: &Collision, folder: Option<&Path>) -> Result<(Pose, Solid, b
         },
         urdf::Shape::Mesh { file, scale } => {
             let scale = Vector3::from(*scale);
-            let (low, high) = mesh::bounds(file, folder)?;
+            let (low, high) = mesh_bounds(file, folder)?;
             let (a, b) = (low.component_mul(&scale), high.component_mul(&scale));
             let centre = Pose {
                 origin: (a + b) / 2.0,
@@ -161,6 +160,77 @@ fn solid(collision: &Collision, folder: Option<&Path>) -> Result<(Pose, Solid, b
         _ => return Err("a shape that is not known".to_string()),
     };
     Ok((pose, plain, false))
+}
+
+/// Lowest and highest corner of the mesh, m, before scaling.
+///
+/// # Errors
+/// Why the mesh is left out, in a few words.
+pub fn mesh_bounds(
+    name: &str,
+    folder: Option<&Path>,
+) -> Result<(Vector3<f64>, Vector3<f64>), String> {
+    let stl = name.to_ascii_lowercase().ends_with(".stl");
+    if !stl {
+        return Err("a mesh that is no STL file".to_string());
+    }
+    let path = find(name, folder).ok_or("a mesh whose file is not found")?;
+    let bytes = files::read_found(&path, 64)
+        .map_err(|_| "a mesh whose file cannot be read, or is larger than 64 MiB")?;
+    let box_around = binary(&bytes).or_else(|| text(&bytes));
+    box_around.ok_or_else(|| "a mesh that is no valid STL".to_string())
+}
+
+/// A file named as ROS does it, looked for beside the URDF and above.
+fn find(name: &str, folder: Option<&Path>) -> Option<PathBuf> {
+    let is_file = |path: &PathBuf| path.is_file();
+    if let Some(path) = name.strip_prefix("file://") {
+        return Some(PathBuf::from(path)).filter(is_file);
+    }
+    // An empty path is the folder that the program runs in.
+    let folder = Path::new(".").join(folder?).canonicalize().ok()?;
+    if let Some(path) = name.strip_prefix("package://") {
+        return folder
+            .ancestors()
+            .map(|above| above.join(path))
+            .find(is_file);
+    }
+    Some(folder.join(name)).filter(is_file)
+}
+
+fn binary(bytes: &[u8]) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    // A title and the number of triangles: each a normal, three corners, an attribute.
+    let (head, triangles) = bytes.split_at_checked(84)?;
+    let count = u32::from_le_bytes(head[80..].try_into().ok()?) as usize;
+    if triangles.len() != count.checked_mul(50)? {
+        return None;
+    }
+    let float = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let corners = triangles
+        .chunks_exact(50)
+        .flat_map(|t| t[12..48].chunks_exact(12));
+    box_around(corners.map(|c| Vector3::new(float(c), float(&c[4..]), float(&c[8..]))))
+}
+
+fn text(bytes: &[u8]) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    let text = std::str::from_utf8(bytes).ok()?;
+    let mut words = text.split_whitespace();
+    let mut corners = Vec::new();
+    while words.any(|word| word == "vertex") {
+        let mut next = || words.next()?.parse::<f64>().ok();
+        corners.push(Vector3::new(next()?, next()?, next()?));
+    }
+    box_around(corners.into_iter())
+}
+
+fn box_around(corners: impl Iterator<Item = Vector3<f64>>) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    let none = (
+        Vector3::repeat(f64::INFINITY),
+        Vector3::repeat(f64::NEG_INFINITY),
+    );
+    let (low, high) = corners.fold(none, |(low, high), c| (low.inf(&c), high.sup(&c)));
+    let sound = |v: &Vector3<f64>| v.iter().all(|x| x.abs() < 1e6);
+    (sound(&low) && sound(&high)).then_some((low, high))
 }
 
 #[cfg(test)]
@@ -214,5 +284,35 @@ mod tests {
         cut.text.truncate(20);
         assert_eq!(Geometry::read(&cut, None).shapes, []);
         assert_eq!(Geometry::read(&cut, None).notes.len(), 1);
+    }
+
+    #[test]
+    fn both_kinds_of_stl_are_boxed() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 -2\n\
+                    vertex 0 3e0 0\nendloop\nendfacet\nendsolid x\n";
+        std::fs::write(folder.path().join("a.stl"), text).unwrap();
+        let mut bytes = vec![b'x'; 80];
+        bytes.extend(1u32.to_le_bytes());
+        for x in [
+            0.0f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, -2.0, 0.0, 3.0, 0.0,
+        ] {
+            bytes.extend(x.to_le_bytes());
+        }
+        bytes.extend([0, 0]);
+        std::fs::create_dir(folder.path().join("meshes")).unwrap();
+        std::fs::write(folder.path().join("meshes/B.STL"), &bytes).unwrap();
+        let expected = (Vector3::new(0.0, 0.0, -2.0), Vector3::new(1.0, 3.0, 0.0));
+        let here = Some(folder.path());
+        assert_eq!(mesh_bounds("a.stl", here), Ok(expected));
+        let below = folder.path().join("meshes");
+        assert_eq!(
+            mesh_bounds("package://meshes/B.STL", Some(&below)),
+            Ok(expected)
+        );
+        std::fs::write(folder.path().join("cut.stl"), &bytes[..100]).unwrap();
+        for bad in ["cut.stl", "gone.stl", "a.dae"] {
+            assert!(mesh_bounds(bad, here).is_err(), "{bad}");
+        }
     }
 }

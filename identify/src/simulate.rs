@@ -1,23 +1,43 @@
 //! Posture logs of an ideal robot: uniform postures, or a motion through the joints' ranges,
 //! and Gaussian CoP noise.
+//!
+//! # Motion
+//!
+//! A motion goes through the range of every joint:
+//!
+//! ```text
+//! q_j(t) = m_j + a_j/2 Σ_k sin(ω_k t + φ_k)        two sines a joint, 0.05 to 0.25 Hz
+//! ```
+//!
+//! `m_j ± a_j` is the joint's range. Velocities and accelerations are those of the sines.
+//!
+//! # Hidden effects
+//!
+//! A simulated robot may have effects, such as `joint_offset:r_knee=1.5deg`.
+//!
+//! ```text
+//! EFFECT[:TARGET][=VALUE[UNIT][,VALUE[UNIT]…]]      values in the order of its parameters
+//! ```
+//!
+//! A number without its unit that was hardly meant in rad, m or kg is refused.
 
-mod waves;
-
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Normal};
+use sesc_model::effects::{Catalog, EffectContext, Parameter, Unit};
 use sesc_model::tree::Dof;
-use sesc_model::{Function, Model};
+use sesc_model::{EffectRecord, Function, Model, ModelFile, Quantity};
 
 use crate::evaluate::{Evaluator, MotionPredictor};
 use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table, Written};
 use crate::observations::motion_use::MotionModel;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
-use waves::{Moment, Waves};
 
 /// Why a posture has no CoP.
 const BEYOND: &str = "a drawn posture has no finite CoP: an angle is beyond 2^20 rad, where \
@@ -172,7 +192,7 @@ impl Request {
 /// ```
 /// use sesc_identify::robot::Robot;
 /// use sesc_identify::simulate::{Request, simulate};
-/// use sesc_identify::stance::Stance;
+/// use sesc_identify::robot::Stance;
 ///
 /// # let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
 /// #   <mass value='2'/></inertial></link><joint name='hip' type='revolute'>\
@@ -224,7 +244,7 @@ pub fn simulate(request: &Request, watch: &mut dyn Watch) -> Result<LogSource, E
 /// ```
 /// use sesc_identify::robot::Robot;
 /// use sesc_identify::simulate::{Request, write};
-/// use sesc_identify::stance::Stance;
+/// use sesc_identify::robot::Stance;
 /// # let urdf = "<robot name='rod'><link name='foot'/>\
 /// #     <joint name='hip' type='revolute'><parent link='foot'/><child link='leg'/>\
 /// #     <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>\
@@ -298,11 +318,12 @@ impl Simulator {
 
     /// The next posture, rad or m.
     pub fn posture(&mut self) -> Vec<f64> {
-        let rng = &mut self.postures;
-        self.ranges
+        let mut draw = || self.postures.random::<f64>();
+        let draws = self
+            .ranges
             .iter()
-            .map(|&(lower, upper)| lower + (upper - lower) * rng.random::<f64>())
-            .collect()
+            .map(|(lower, upper)| lower + (upper - lower) * draw());
+        draws.collect()
     }
 
     /// The next `count` postures, one after the other.
@@ -318,15 +339,271 @@ impl Simulator {
 
 /// The limits, cut to ±range; a joint whose limits exclude that keeps its own.
 fn narrowed(dof: &Dof, range: Option<f64>) -> (f64, f64) {
-    match range {
-        Some(range) if !dof.prismatic => {
-            let (lower, upper) = (dof.lower.max(-range), dof.upper.min(range));
-            if lower < upper {
-                (lower, upper)
-            } else {
-                (dof.lower, dof.upper)
+    let range = range.filter(|_| !dof.prismatic).unwrap_or(f64::INFINITY);
+    let narrow = (dof.lower.max(-range), dof.upper.min(range));
+    if narrow.0 < narrow.1 {
+        narrow
+    } else {
+        (dof.lower, dof.upper)
+    }
+}
+
+/// One joint.
+struct Wave {
+    middle: f64,
+    amplitude: f64,
+    /// rad/s and rad of each sine.
+    sines: [[f64; 2]; 2],
+}
+
+/// How all joints move.
+pub(super) struct Waves(Vec<Wave>);
+
+/// Positions, velocities and accelerations, joint by joint.
+#[derive(Default)]
+pub(super) struct Moment {
+    pub q: Vec<f64>,
+    pub rates: Vec<f64>,
+    pub accelerations: Vec<f64>,
+}
+
+impl Waves {
+    /// Within `ranges`, rad or m.
+    pub fn draw(ranges: &[(f64, f64)], random: &mut ChaCha8Rng) -> Waves {
+        let wave = |&(lower, upper): &(f64, f64)| Wave {
+            middle: 0.5 * (lower + upper),
+            amplitude: 0.25 * (upper - lower),
+            sines: [(); 2].map(|()| {
+                let hertz = 0.05 + (0.25 - 0.05) * random.random::<f64>();
+                [TAU * hertz, TAU * random.random::<f64>()]
+            }),
+        };
+        Waves(ranges.iter().map(wave).collect())
+    }
+
+    /// Add the moment `t` seconds after the start.
+    pub fn at(&self, t: f64, to: &mut Moment) {
+        for wave in &self.0 {
+            let [mut q, mut rate, mut acceleration] = [wave.middle, 0.0, 0.0];
+            for [w, phase] in wave.sines {
+                let (sin, cos) = (w * t + phase).sin_cos();
+                q += wave.amplitude * sin;
+                rate += wave.amplitude * w * cos;
+                acceleration -= wave.amplitude * w * w * sin;
+            }
+            to.q.push(q);
+            to.rates.push(rate);
+            to.accelerations.push(acceleration);
+        }
+    }
+}
+
+/// The model with effects hidden in it, in the words of the module's head.
+///
+/// ```
+/// use sesc_identify::simulate::hide;
+/// use sesc_identify::robot::{Robot, Stance};
+///
+/// # let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
+/// #   <mass value='2'/></inertial></link><joint name='hip' type='revolute'>\
+/// #   <parent link='foot'/><child link='top'/><origin xyz='0 0 1'/><axis xyz='0 1 0'/>\
+/// #   <limit lower='-1' upper='1'/></joint></robot>";
+/// let model = Stance::new(Robot::parse(urdf, "pole.urdf")?).on("foot").model()?;
+/// let hidden = hide(model, &["joint_offset:hip=1.5deg", "sensor_offset=3mm,0"])?;
+/// assert_eq!(hidden.effects.len(), 2);
+/// assert!((hidden.effects[0].1[0] - 1.5_f64.to_radians()).abs() < 1e-15);
+/// # Ok::<(), sesc_identify::Error>(())
+/// ```
+///
+/// # Errors
+/// An effect, target, value or unit that is none, in a sentence with the remedy.
+pub fn hide<S: AsRef<str>>(model: Model, effects: &[S]) -> Result<Model, Error> {
+    if effects.is_empty() {
+        return Ok(model);
+    }
+    let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
+    let context = EffectContext::new(&model, cells, false, Catalog::standard());
+    let robot_kg = model.tree.mass;
+    let records = effects.iter();
+    let records = records.map(|text| hidden(&context, robot_kg, text.as_ref()));
+    let records: Vec<EffectRecord> = records.collect::<Result<_, _>>()?;
+    let mut file = match &model.file {
+        Some(file) => file.clone(),
+        None => ModelFile::from_values(&model, &model.params(), None, "cad"),
+    };
+    // Messages about them begin so.
+    file.file = "hidden effects".to_string();
+    file.effects.extend(records);
+    // No file says them.
+    let hidden = model.clone().with_file(file);
+    hidden.map_err(|error| Error::request(error.to_string()))
+}
+
+/// One effect as a model file has it.
+fn hidden(context: &EffectContext, robot_kg: f64, text: &str) -> Result<EffectRecord, Error> {
+    let bad = |reason: String| Error::request(format!("`{text}`: {reason}"));
+    let (name, values) = match text.rsplit_once('=') {
+        Some((name, values)) => (name, Some(values)),
+        None => (text, None),
+    };
+    let (effect, target) = name.split_once(':').unwrap_or((name, "-"));
+    let record = EffectRecord {
+        effect: effect.to_string(),
+        target: target.to_string(),
+        parameters: BTreeMap::new(),
+    };
+    // What is wrong with the name or the target, the model file will say.
+    let known = context.catalog.named(effect);
+    if let Some(effect) = known
+        && effect.targets(context).is_empty()
+    {
+        let mut moving = context.clone();
+        moving.times = true;
+        return Err(bad(match effect.targets(&moving).is_empty() {
+            true => {
+                "acts on the cells of a foot, and this robot has none; give a model file \
+                     with `cells`, or take another effect"
+            }
+            false => {
+                "acts on joint angles over time, which are logged as they are; to try it, \
+                      shift the joint columns of a log against its readings"
             }
         }
-        _ => (dof.lower, dof.upper),
+        .to_string()));
+    }
+    let target = known.and_then(|effect| context.target_named(effect, target));
+    let (Some(effect), Some(target)) = (known, target) else {
+        return Ok(record);
+    };
+    let parameters = effect.parameters(context, &target);
+    let values: Vec<&str> = values.map_or_else(Vec::new, |values| values.split(',').collect());
+    if values.len() != parameters.len() {
+        let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
+        return Err(bad(match names.is_empty() {
+            true => "takes no value; leave out what follows `=`".to_string(),
+            false => format!(
+                "has {} values where {} are wanted: {}",
+                values.len(),
+                names.len(),
+                names.join(", ")
+            ),
+        }));
+    }
+    let mut record = record;
+    for (parameter, value) in parameters.iter().zip(values) {
+        let value = quantity(parameter, robot_kg, value.trim()).map_err(bad)?;
+        let value = Quantity { value, std: None };
+        record.parameters.insert(parameter.name.to_string(), value);
+    }
+    Ok(record)
+}
+
+/// `1.5deg` of a parameter in radians.
+fn quantity(parameter: &Parameter, robot_kg: f64, text: &str) -> Result<f64, String> {
+    let units = parameter.unit.spellings();
+    let unit = units.iter().find(|(unit, _)| text.ends_with(unit));
+    let (number, factor) = match unit {
+        Some((unit, factor)) => (&text[..text.len() - unit.len()], *factor),
+        None => (text, 1.0),
+    };
+    let value = number.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    let value = value.ok_or_else(|| {
+        let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
+        format!(
+            "`{text}` is no value of {}; give a number, with one of the units {} or none",
+            parameter.name,
+            names.join(", ")
+        )
+    })?;
+    // Given without their unit an angle, a length and a mass are hardly larger.
+    let bound = match parameter.unit {
+        Unit::Radian => Some((0.6, "deg", "rad", format!("{:.0}°", value.to_degrees()))),
+        Unit::Metre => Some((1.0, "mm", "m", format!("{} mm", 1e3 * value))),
+        Unit::Kilogram => {
+            let shown = format!("the robot weighs {robot_kg:.3} kg");
+            Some((3.0 * robot_kg, "g", "kg", shown))
+        }
+        _ => None,
+    };
+    match bound.filter(|(most, ..)| unit.is_none() && value.abs() > *most) {
+        Some((_, meant, own, shown)) => Err(format!(
+            "{text} of {} is {text} {own} ({shown}); give its unit: {text}{meant}, or {text}{own} \
+             if that is meant",
+            parameter.name
+        )),
+        None => Ok(factor * value),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::{Robot, Stance};
+
+    fn model() -> Model {
+        let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
+            <mass value='2'/></inertial></link><link name='bob'><inertial><mass value='1'/>\
+            </inertial></link><joint name='hip' type='revolute'><parent link='foot'/>\
+            <child link='top'/><origin xyz='0 0 1'/><axis xyz='0 1 0'/>\
+            <limit lower='-1' upper='1'/></joint><joint name='lift' type='prismatic'>\
+            <parent link='top'/><child link='bob'/><axis xyz='0 0 1'/>\
+            <limit lower='0' upper='1'/></joint></robot>";
+        let robot = Robot::parse(urdf, "pole.urdf").unwrap();
+        Stance::new(robot).on("foot").model().unwrap()
+    }
+
+    fn values(text: &str) -> BTreeMap<String, f64> {
+        let hidden = hide(model(), &[text]).unwrap();
+        let record = &hidden.file.as_ref().unwrap().effects[0];
+        let parameters = record.parameters.iter();
+        parameters
+            .map(|(name, x)| (name.clone(), x.value))
+            .collect()
+    }
+
+    #[test]
+    fn values_are_taken_with_their_units() {
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a} {b}");
+        let quarter = values("joint_offset:hip=90deg")["offset_rad"];
+        near(quarter, std::f64::consts::FRAC_PI_2);
+        near(values("joint_offset:hip=0.02")["offset_rad"], 0.02);
+        near(values("joint_offset:lift=3mm")["offset_m"], 3e-3);
+        near(values("joint_scale:hip=-2%")["scale"], -0.02);
+        let payload = values("payload:bob=200g,1cm,0,-2e-2");
+        near(payload["mass_kg"], 0.2);
+        near(payload["z_m"], -0.02);
+        assert!(values("joint_sign:hip").is_empty());
+        assert_eq!(values("backlash:all=0.9°").len(), 1);
+    }
+
+    #[test]
+    fn what_is_no_effect_is_refused_with_the_remedy() {
+        let wanted = "has 0 values where 1 are wanted: offset_rad";
+        for (text, words) in [
+            ("joint_ofset:hip=1", "known are sensor_offset"),
+            ("joint_ofset:hip=1", "did you mean `joint_offset`?"),
+            ("joint_offset:hib=1", "it has hip, lift"),
+            ("joint_offset:hib=1", "did you mean `hip`?"),
+            ("joint_offset:hip=1kg", "units deg, °, rad or none"),
+            ("joint_offset:hip", wanted),
+            ("joint_sign:hip=1", "takes no value"),
+            ("joint_offset:hip=NaN", "no value of offset_rad"),
+            (
+                "joint_offset:hip=1.2",
+                "is 1.2 rad (69°); give its unit: 1.2deg, or 1.2rad",
+            ),
+            (
+                "joint_offset:lift=-3",
+                "is -3 m (-3000 mm); give its unit: -3mm",
+            ),
+            (
+                "payload:bob=200,0,0,0",
+                "the robot weighs 3.000 kg); give its unit: 200g",
+            ),
+            ("time_delay=20ms", "shift the joint columns"),
+            ("cell_gain:0=1%", "give a model file with `cells`"),
+        ] {
+            crate::tests::says(hide(model(), &[text]).unwrap_err(), &[words]);
+        }
     }
 }
