@@ -182,6 +182,7 @@ impl Assembler {
         ] {
             if let Some(first) = column.filter(|first| (*first..first + count).any(&mut empty)) {
                 self.missing.unused.extend(first..first + count);
+                self.bounds[first..first + count].fill(Bound::ANY);
                 *column = None;
             }
         }

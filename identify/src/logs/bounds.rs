@@ -46,6 +46,13 @@ enum Kind {
 }
 
 impl Bound {
+    /// Any finite value.
+    pub const ANY: Bound = Bound {
+        least: -f64::MAX,
+        most: f64::MAX,
+        kind: Kind::Plain,
+    };
+
     fn plain(most: f64) -> Bound {
         let (least, kind) = (-most, Kind::Plain);
         Bound { least, most, kind }
@@ -76,7 +83,7 @@ impl Bound {
 
     /// Those of the numbers of a row, in their order.
     pub fn all(columns: &Columns, dofs: &[Dof], angles: Angles, any_unit: bool) -> Vec<Bound> {
-        let mut all = vec![Bound::plain(f64::MAX); columns.numbers.len()];
+        let mut all = vec![Bound::ANY; columns.numbers.len()];
         let cells = columns.cells.len();
         let (cop, force) = (Bound::plain(COP), Bound::plain(1e9));
         let time = Bound {

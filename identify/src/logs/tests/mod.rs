@@ -203,6 +203,10 @@ fn deviations_are_those_of_rows() {
     assert_eq!(std("0,0,0,0,0,0.01,0.01\n0,0,1,0,0,0.01,0.01\n"), 0.005);
     let all = "0,0,0,0,0,0.01,0.01\n".repeat(4) + &"0,0,1,0,0,0.01,0.01\n".repeat(4);
     assert_eq!(std(&all), 0.01);
+    // A column without a value is none.
+    let (block, warnings) = read(&text("0,0,0,0,0,,\n"), "", &Options::default()).unwrap();
+    assert_eq!(block.std, None);
+    says(&warnings[0], &["not used: `cop_x_std`, `cop_y_std`"]);
 }
 
 #[test]
