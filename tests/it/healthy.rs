@@ -272,3 +272,77 @@ fn a_fitted_model_is_the_prior_that_its_log_is() {
     folder.write("fitted.toml", by_log.model_file.to_toml().unwrap());
     refused(&request, "it has effects");
 }
+
+/// Rows of both feet, in one log or in two, are explained together: each leg shows in the rows that
+/// stand on it.
+#[test]
+fn faults_of_both_legs_are_found_in_rows_of_both_feet() {
+    let mut bench = Bench::new(5);
+    let cad = TrueRobot::from_urdf(sesc::OP2_URDF).unwrap();
+    let (names, soles) = (bench.stage.joint_names(), ["r_sole", "l_sole"]);
+    let rows = soles.map(|sole| {
+        let world = World::new(&cad, sole).unwrap();
+        let faulty = world.clone().joint_offset("r_ank_pitch", 0.02).unwrap();
+        let faulty = faulty.joint_scale("l_hip_pitch", 1.15).unwrap();
+        let q = match sole {
+            "r_sole" => bench.stage.balanced(80, &mut bench.random),
+            // The other foot bears a mirrored robot: encoders of the two legs turn against
+            // each other.
+            _ => {
+                let mut q = bench.stage.balanced(400, &mut bench.random);
+                q.iter_mut().for_each(|q| {
+                    let of = |name: &str| names.iter().position(|own| own == name).unwrap();
+                    for own in [
+                        "hip_yaw",
+                        "hip_roll",
+                        "hip_pitch",
+                        "knee",
+                        "ank_pitch",
+                        "ank_roll",
+                    ] {
+                        let (right, left) = (of(&format!("r_{own}")), of(&format!("l_{own}")));
+                        (q[right], q[left]) = (-q[left], -q[right]);
+                    }
+                });
+                q.retain(|q| world.cop(q).iter().all(|x| x.abs() < 0.03));
+                q.truncate(80);
+                q
+            }
+        };
+        let mut noise = || -> f64 { StandardNormal.sample(&mut bench.random) };
+        let cop = q.iter().map(|q| faulty.cop(q).map(|x| x + NOISE * noise()));
+        let cop: Vec<[f64; 2]> = cop.collect();
+        (q, cop)
+    });
+    let log = |name: &str, feet: &[usize]| {
+        let q: Vec<&Vec<f64>> = feet.iter().flat_map(|foot| &rows[*foot].0).collect();
+        let cop: Vec<[f64; 2]> = feet.iter().flat_map(|foot| rows[*foot].1.clone()).collect();
+        let stood = feet
+            .iter()
+            .flat_map(|foot| vec![Arc::from(soles[*foot]); rows[*foot].0.len()]);
+        let mut table = Table::new(name).texts("support", stood.collect::<Vec<Arc<str>>>());
+        for (j, joint) in names.iter().enumerate() {
+            table = table.numbers(joint, q.iter().map(|q| q[j]).collect::<Vec<f64>>());
+        }
+        for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
+            table = table.numbers(name, cop.iter().map(|cop| cop[axis]).collect::<Vec<f64>>());
+        }
+        LogSource::from(table)
+    };
+    let told = |request: &diagnose::Request| {
+        let found = diagnose::diagnose(request, &mut ()).unwrap().diagnosis;
+        let mut steps: Vec<String> = found
+            .steps
+            .iter()
+            .map(|step| format!("{}:{}", step.effect, step.target))
+            .collect();
+        steps.sort();
+        assert_eq!(found.warnings, [""; 0]);
+        steps
+    };
+    let both = ["joint_offset:r_ank_pitch", "joint_scale:l_hip_pitch"];
+    assert_eq!(told(&bench.request(log("both.csv", &[0, 1]))), both);
+    let mut request = bench.request(log("right.csv", &[0]));
+    request.then = vec![log("left.csv", &[1])];
+    assert_eq!(told(&request), both);
+}

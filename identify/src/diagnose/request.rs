@@ -173,8 +173,15 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     check_healthy(request, watch)?;
     let model = prior.expected(model);
     let (log, rows, mut data) = screened(request, &model, &prior, watch)?;
-    let stands = request.then.iter().map(|log| {
-        let (experiment, own) = stand(request, &support, log)?;
+    let elsewhere = data.elsewhere.keys().filter(|_| log.can_be_read_again());
+    let stands = request.then.iter().map(|log| stand(request, &support, log));
+    // Rows on another foot are a log of their own.
+    let stands = stands.chain(elsewhere.map(|link| {
+        let model = robot.model(link, request.snapping, None)?;
+        Ok((Experiment::OtherFoot, model))
+    }));
+    let stands = stands.map(|stand| {
+        let (experiment, own) = stand?;
         Ok((experiment, prior.seen_from(&model, &own).expected(own)))
     });
     let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, Error>>()?;
@@ -184,27 +191,37 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     if let Some(own) = &before[0].0 {
         prior.check_other(request.log.name(), own)?;
     }
-    for (log, (experiment, there)) in request.then.iter().zip(&stands) {
-        let (prior, model) = (prior.seen_from(&model, there), there);
-        let mut postures = take(request, model, &prior, (log, request.motion), watch)?;
-        let own = (hash(&postures), rows_hash(&postures));
-        let same =
-            |other: &(Option<String>, u64)| own.1 == other.1 || own.0.is_some() && own.0 == other.0;
-        if before.iter().any(same) {
-            return Err(Error::log(
-                log.name(),
-                None,
-                "has the same rows as a log before it, which would count twice; give the log of \
-                 the experiment",
-            ));
+    for (at, (experiment, there)) in stands.iter().enumerate() {
+        let prior = prior.seen_from(&model, there);
+        let source = request.then.get(at).unwrap_or(&log);
+        let mut postures = take(request, there, &prior, (source, request.motion), watch)?;
+        let mut closure = None;
+        if at < request.then.len() {
+            let own = (hash(&postures), rows_hash(&postures));
+            let same = |other: &(Option<String>, u64)| {
+                own.1 == other.1 || own.0.is_some() && own.0 == other.0
+            };
+            if before.iter().any(same) {
+                return Err(Error::log(
+                    source.name(),
+                    None,
+                    "has the same rows as a log before it, which would count twice; give the log \
+                     of the experiment",
+                ));
+            }
+            before.push(own);
+            for (link, rows) in &postures.elsewhere {
+                let left_out = format!(
+                    "{}: {rows} rows stand on `{link}` and are left out; give them as the first log",
+                    source.name()
+                );
+                watch.warning(&left_out.into());
+            }
+            let (sidecar, _) = source.sidecar()?;
+            closure = closure::of(&Feet::default(), &sidecar, there, &mut postures, watch)?;
         }
-        before.push(own);
-        let (sidecar, _) = log.sidecar()?;
-        let closure = closure::of(&Feet::default(), &sidecar, model, &mut postures, watch)?;
-        others.push((
-            Block::new(model, postures, closure, &request.effects),
-            *experiment,
-        ));
+        let block = Block::new(there, postures, closure, &request.effects);
+        others.push((block, *experiment));
     }
     let names = [&request.log].into_iter().chain(&request.then);
     let names = names.map(LogSource::file_name).collect::<Vec<_>>();

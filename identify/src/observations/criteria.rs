@@ -144,9 +144,9 @@ pub mod repeats {
     /// pairs of visits (closed form); half of it is for servos of 0.3°.
     pub const REACHED: f32 = 0.06;
     /// Other postures are so many times further away. Chosen: of postures drawn at random along a
-    /// line, the five closest pairs show such a gap in one log of 240, in a plane in one of 60,000
-    /// (closed form); half of it finds it in one of 8 along a line.
-    pub const APART: f32 = 3.0;
+    /// line, the five closest pairs show such a gap in one log of 3000, in a plane in one of ten
+    /// million (closed form); half of it finds it in one of 100 along a line.
+    pub const APART: f32 = 5.0;
     /// Axes have noises of their own where repeats scatter so unalike with less than this chance.
     /// Chosen: by chance in one log of 20 (closed form), whose axes are then known as well as
     /// repeats know them; half of it keeps one noise for axes that differ a little more.

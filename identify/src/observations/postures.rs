@@ -6,6 +6,7 @@
 //! ```
 
 use super::criteria::noise::LEAST_PART;
+use std::collections::BTreeMap;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -92,6 +93,8 @@ pub struct Postures {
     pub rows_per_posture: f64,
     /// What the reader says about the log; none of postures that were given.
     pub summary: Option<Summary>,
+    /// Rows of the log that stand on another link, by that link.
+    pub elsewhere: BTreeMap<String, u64>,
     /// What is odd about the log.
     pub warnings: Vec<Message>,
     /// How the joints move, where the log is dense enough in time to know.
@@ -163,7 +166,7 @@ impl Postures {
         let support = &model.tree.links[model.tree.support].name;
         let mut gathering = Gathering::new(taking.options.any_unit);
         let [mut stated, mut timed, mut raw, mut contacts] = [false; 4];
-        let (mut elsewhere, mut taken) = (0_u64, 0_u64);
+        let (mut elsewhere, mut taken) = (BTreeMap::<String, u64>::new(), 0_u64);
         let dof = dofs.len();
         loop {
             let (block, motion) = reader.rows(BLOCK)?;
@@ -179,7 +182,7 @@ impl Postures {
             for k in 0..block.len() {
                 let on = block.support.as_ref().map_or("", |all| &all[k]);
                 if !on.is_empty() && on != support {
-                    elsewhere += 1;
+                    *elsewhere.entry(on.to_string()).or_default() += 1;
                     continue;
                 }
                 let reading = block.reading.as_ref().map_or([0.0; 2], |all| all[k]);
@@ -233,13 +236,7 @@ impl Postures {
             data.warnings
                 .push(format!("{file}: {}", moved_sentence(moved)).into());
         }
-        if elsewhere > 0 {
-            let left_out = "rows stand on another link and are left out; diagnose them with ";
-            data.warnings.push(message![
-                format!("{}: {elsewhere} {left_out}", log.name()),
-                Setting::Support
-            ]);
-        }
+        data.elsewhere = elsewhere;
         Ok(Some(data))
     }
 
@@ -315,6 +312,7 @@ impl Postures {
             rows: count as u64,
             rows_per_posture: all.iter().map(|p| p.rows).sum::<f64>() / count.max(1) as f64,
             summary: None,
+            elsewhere: BTreeMap::new(),
             warnings: noise.warning.into_iter().map(Message::from).collect(),
             motion: None,
             moved: None,

@@ -166,13 +166,13 @@ impl Mean {
     fn join(&mut self, squares: &mut Squares, other: &Mean, less: [f64; 2]) {
         squares.df += 1;
         let count = self.count + other.count;
-        for axis in 0..2 {
+        for (axis, less) in less.into_iter().enumerate() {
             let share = other.count / count;
-            let away = other.mean[axis] - less[axis] - self.mean[axis];
+            let away = other.mean[axis] - less - self.mean[axis];
             squares.sum[axis] += self.count * share * away * away;
             self.mean[axis] += share * away;
             let share = other.weight[axis] / (self.weight[axis] + other.weight[axis]);
-            let away = other.weighted_mean[axis] - less[axis] - self.weighted_mean[axis];
+            let away = other.weighted_mean[axis] - less - self.weighted_mean[axis];
             squares.weighted[axis] += self.weight[axis] * share * away * away;
             self.weighted_mean[axis] += share * away;
             self.weight[axis] += other.weight[axis];
@@ -232,7 +232,7 @@ impl Repeats {
         let predicted = predicted(&known.stances())?;
         let own = |k: usize| &group(&known.postures()[k].own).all;
         let mut joined: Vec<Mean> = (0..first.len()).map(|k| own(k).clone()).collect();
-        for (k, to) in first.iter().map(|to| *to).enumerate() {
+        for (k, to) in first.iter().copied().enumerate() {
             // Rows that a robust fit rejects are none.
             if to < k && joined[to].count > 0.0 && own(k).count > 0.0 {
                 let less = [0, 1].map(|axis| predicted[2 * k + axis] - predicted[2 * to + axis]);
