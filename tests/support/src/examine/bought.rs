@@ -102,11 +102,8 @@ pub fn examine(trial: &Trial, healthy: bool, folder: &Path) -> Result<Found, Fai
         });
         Ok((gaps.sum::<f64>() / JUDGED as f64).sqrt())
     };
-    Ok(judged(
-        trial,
-        &report.diagnosis,
-        error(Some(&file))? / error(None)?,
-    )?)
+    let ratio = error(Some(&file))? / error(None)?;
+    judged(trial, &report.diagnosis, ratio)
 }
 
 fn judged(trial: &Trial, found: &Diagnosis, ratio: f64) -> Result<Found, Failure> {
