@@ -48,16 +48,9 @@ pub fn find<'m>(
         }
         false => (vec![none.clone()], None),
     };
-    // Something is missing only if that is clearly better than nothing missing, whatever masses
-    // are; that these are off CAD is a finding of its own.
-    let masses = ranked.iter().find(|fit| fit.beside_masses().count() == 0);
-    let clear = criteria::OVER_NOTHING + whole_problem.kind_penalty();
-    let nothing = match masses {
-        Some(masses) if masses.score() + clear < none.score() => masses.clone(),
-        _ => none,
-    };
-    if nothing.score() < ranked[0].score() + criteria::OVER_NOTHING {
-        ranked = vec![nothing];
+    // Something is missing only if that is clearly better than nothing missing.
+    if none.score() < ranked[0].score() + criteria::OVER_NOTHING {
+        ranked = vec![none];
     }
     let mut best = ranked[0].clone();
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
@@ -140,7 +133,7 @@ pub fn find<'m>(
         closure,
         again: noise::untold(problem, verdict)
             .and_then(|untold| Again::of(untold, problem.first.model, &problem.first.data)),
-        masses_are_cad: problem.is_about_tolerances(),
+        masses_are_cad: problem.masses_are_cad,
         sentence: String::new(),
         lead: String::new(),
         robot: about.robot.to_string(),

@@ -148,10 +148,13 @@ impl Term {
             .map_or_else(|| vec![Vec::new()], |i| i.effect.starts(context, &i.target))
     }
 
-    /// How many targets its kind has.
+    /// How many targets, or widths, its kind has.
     pub fn targets(&self, context: &EffectContext) -> usize {
-        self.effect()
-            .map_or(1, |i| i.effect.targets(context).len().max(1))
+        match self {
+            Term::Effect(i) => i.effect.targets(context).len().max(1),
+            Term::Outliers => 1,
+            Term::Masses(_) => Width::ALL.len(),
+        }
     }
 
     /// The parameters with the values that these unknowns mean.

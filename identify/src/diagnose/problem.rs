@@ -54,9 +54,8 @@ pub struct Problem<'m> {
     pub wide_prior: DMatrix<f64>,
     target_weights: HashMap<Term, f64>,
     kinds: usize,
-    /// What it costs that masses are not within the prior: nothing where it is one of several
-    /// tolerances of CAD that are as likely.
-    masses_penalty: f64,
+    /// Masses are known as tolerances of CAD alone.
+    pub masses_are_cad: bool,
 }
 
 /// A hypothesis to be fitted.
@@ -228,13 +227,9 @@ impl<'m> Problem<'m> {
         let usual = Prior::Cad(Tolerances::usual()).covariance_factor(model);
         let instances = effects::instances(&first.context);
         let kinds: BTreeSet<EffectId> = instances.iter().map(|i| i.effect.id()).collect();
-        let kinds = kinds.len() + hypothesis::MODELS;
         let mut problem = Problem {
-            masses_penalty: match prior {
-                Prior::Cad(_) => 0.0,
-                _ => 2.0 * (kinds as f64).ln(),
-            },
-            kinds,
+            kinds: kinds.len() + hypothesis::MODELS,
+            masses_are_cad: matches!(prior, Prior::Cad(_)),
             first,
             others,
             nuisance: Nuisance::none(),
@@ -394,9 +389,6 @@ impl<'m> Problem<'m> {
     pub fn penalty(&self, terms: &[Term]) -> f64 {
         let readings = self.height() as f64;
         let of = |term: &Term| {
-            if let Term::Masses(_) = term {
-                return self.masses_penalty;
-            }
             let weight = match self.target_weights.get(term) {
                 Some(weight) => *weight,
                 None => 1.0 / term.targets(&self.first.context) as f64,
@@ -423,16 +415,6 @@ impl<'m> Problem<'m> {
             let weight = chance(*chi2) / sums[term.name()];
             self.target_weights.insert(term.clone(), weight);
         }
-    }
-
-    /// Whether masses are known as tolerances of CAD alone.
-    pub(super) fn is_about_tolerances(&self) -> bool {
-        self.masses_penalty == 0.0
-    }
-
-    /// What it costs to say that masses are off CAD where nothing else is missing.
-    pub(super) fn kind_penalty(&self) -> f64 {
-        2.0 * (self.kinds as f64).ln()
     }
 
     /// The masses' directions under a hypothesis.

@@ -354,7 +354,7 @@ fn masses_before(request: &Request, model: &Model, watch: &mut dyn Watch) -> Res
     for log in &request.healthy {
         let own = FitRequest {
             logs: vec![log.clone()],
-            support: Some(support_of_healthy(request, log, model.support())),
+            support: Some(support_of_log(request, log, model.support())),
             angles: request.angles,
             ..common.clone()
         };
@@ -373,9 +373,8 @@ fn masses_before(request: &Request, model: &Model, watch: &mut dyn Watch) -> Res
     Ok(Prior::Fitted(Box::new(fitted)))
 }
 
-/// The link on the ground in a log of the healthy robot: as it says itself, else that of the log at
-/// hand.
-fn support_of_healthy(request: &Request, log: &LogSource, support: &str) -> String {
+/// The link on the ground in another log: as it says itself, else that of the log at hand.
+fn support_of_log(request: &Request, log: &LogSource, support: &str) -> String {
     let own = Request {
         log: log.clone(),
         support: None,
@@ -396,7 +395,7 @@ fn prior_of_healthy(request: &Request) -> PriorChoice {
 /// log is not found by comparing the two.
 fn check_healthy(request: &Request, watch: &mut dyn Watch) -> Result<(), Error> {
     for log in &request.healthy {
-        let support = support_of_healthy(request, log, &support_of(request)?);
+        let support = support_of_log(request, log, &support_of(request)?);
         let own = Request {
             log: log.clone(),
             support: Some(support),
@@ -540,7 +539,7 @@ fn stand(request: &Request, first: &str, log: &LogSource) -> Result<(Experiment,
             None => log.name().to_string(),
         }
     };
-    let support = sidecar.support.as_deref().unwrap_or(first);
+    let support = &*support_of_log(request, log, first);
     let experiment = match &sidecar.experiment {
         Some(name) => experiment::of_log(name).ok_or_else(|| {
             let message = message![
