@@ -289,20 +289,18 @@ fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
     })
 }
 
-/// The best first, without those that only add to another. The same effects beside masses of
-/// another width are the same explanation.
+/// The best first, without those that only add to another.
 fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
     let mut class: Vec<Fit> = vec![best.clone()];
     for fit in near {
-        let same = |other: &Fit| fit.beside_masses().eq(other.beside_masses());
+        let same = fit.terms == best.terms;
         // More of the same is an answer of its own only if it is as good.
         let adds = |other: &Fit| {
             let all = other.terms.iter().all(|i| fit.terms.contains(i));
             let difference = fit.score() - other.score();
             all && other.terms.len() < fit.terms.len() && difference > criteria::ADDED_EFFECT
         };
-        let known = |other: &Fit| same(other) || adds(other);
-        if !fit.terms.is_empty() && !class.iter().any(known) && !best.terms.is_empty() {
+        if !same && !fit.terms.is_empty() && !class.iter().any(adds) && !best.terms.is_empty() {
             class.push(fit);
         }
     }

@@ -7,11 +7,9 @@
 //! the χ² by which explanation j would fail, its unknowns fitted again, if i
 //! were true. From [`TOLD_APART`](super::criteria::TOLD_APART) on it tells the two apart.
 
-use super::hypothesis::{Term, with_places};
+use super::hypothesis::{CarriedExplanation, Term, carried, with_places};
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::{
-    Carry, EffectContext, Experiment, Instance, PostureContext, known_weight,
-};
+use sesc_model::effects::{Experiment, PostureContext, known_weight};
 use sesc_model::{Function, Model};
 
 use super::criteria;
@@ -55,84 +53,6 @@ impl WhitenedReadings {
         rows.slopes.rows_mut(a, b).copy_from(&more.slopes);
         rows
     }
-}
-
-/// An explanation of a log in the parameters of a further experiment.
-pub(super) struct CarriedExplanation {
-    pub terms: Vec<Term>,
-    /// Each of their unknowns: which one of the log's it is, and its sign.
-    pub columns: Vec<(usize, f64)>,
-}
-
-impl CarriedExplanation {
-    /// The explanation of the log itself.
-    pub fn same(terms: &[Term], context: &EffectContext) -> CarriedExplanation {
-        let unknowns: usize = terms.iter().map(|term| term.unknowns(context)).sum();
-        CarriedExplanation {
-            terms: terms.to_vec(),
-            columns: (0..unknowns).map(|k| (k, 1.0)).collect(),
-        }
-    }
-
-    /// Slopes by the unknowns here as slopes by the `count` unknowns of the log.
-    pub fn by_unknowns(&self, slopes: DMatrix<f64>, count: usize) -> DMatrix<f64> {
-        if self
-            .columns
-            .iter()
-            .copied()
-            .eq((0..count).map(|k| (k, 1.0)))
-        {
-            return slopes;
-        }
-        let mut all = DMatrix::zeros(slopes.nrows(), count);
-        for (own, &(k, sign)) in slopes.column_iter().zip(&self.columns) {
-            let mut to = all.column_mut(k);
-            to += own * sign;
-        }
-        all
-    }
-
-    pub fn unknowns(&self, of_log: &[f64]) -> Vec<f64> {
-        let columns = self.columns.iter();
-        columns.map(|(k, sign)| sign * of_log[*k]).collect()
-    }
-}
-
-/// The same term on the robot `there`, if it has such a target.
-fn moved(term: &Term, here: &EffectContext, there: &EffectContext) -> Option<Term> {
-    let Some(instance) = term.effect() else {
-        return Some(term.clone());
-    };
-    let name = here.name_of(&instance.target);
-    let target = there.target_named(instance.effect, &name)?;
-    let effect = instance.effect;
-    Some(Term::Effect(Instance { effect, target }))
-}
-
-/// What becomes of `terms` of the robot `here`, if anything, in an experiment `there`.
-pub(super) fn carried(
-    experiment: Experiment,
-    here: &EffectContext,
-    there: &EffectContext,
-    terms: &[Term],
-) -> CarriedExplanation {
-    let mut carried = CarriedExplanation {
-        terms: Vec::new(),
-        columns: Vec::new(),
-    };
-    for (term, own) in with_places(terms, here) {
-        let factors = match term.in_experiment(experiment) {
-            Carry::Gone => continue,
-            Carry::Scaled(factors) => factors,
-            Carry::Same => vec![1.0; own.len()],
-        };
-        let Some(there) = moved(term, here, there) else {
-            continue;
-        };
-        carried.terms.push(there);
-        carried.columns.extend(own.zip(factors));
-    }
-    carried
 }
 
 /// Explanations under an experiment. `here` is the problem of the log; `there` one

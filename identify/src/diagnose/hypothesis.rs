@@ -13,6 +13,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use nalgebra::DMatrix;
 use sesc_model::effects::{
     self, Carry, EffectContext, Experiment, Fitted, Instance, Stage, Target, Value,
 };
@@ -24,32 +25,8 @@ pub enum Term {
     Effect(Instance),
     /// Noise of two widths: a few readings come from elsewhere.
     Outliers,
-    /// The masses within a part of the usual tolerances of CAD, not within the given prior.
-    Masses(Width),
-}
-
-/// How far masses may be off CAD.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Width {
-    /// 1 % and 0.5 mm.
-    Tenth,
-    /// 3 % and 1.5 mm.
-    Third,
-    /// 10 % and 5 mm: as they usually are.
-    Usual,
-}
-
-impl Width {
-    pub const ALL: [Width; 3] = [Width::Tenth, Width::Third, Width::Usual];
-
-    /// Part of the usual tolerances.
-    pub fn part(self) -> f64 {
-        match self {
-            Width::Tenth => 0.1,
-            Width::Third => 0.3,
-            Width::Usual => 1.0,
-        }
-    }
+    /// The masses within the usual tolerances of CAD, not within the given prior.
+    Masses,
 }
 
 /// Unknowns of the noise of two widths: its share and its width.
@@ -106,7 +83,7 @@ impl Term {
     pub fn effect(&self) -> Option<&Instance> {
         match self {
             Term::Effect(instance) => Some(instance),
-            Term::Outliers | Term::Masses(_) => None,
+            Term::Outliers | Term::Masses => None,
         }
     }
 
@@ -148,12 +125,11 @@ impl Term {
             .map_or_else(|| vec![Vec::new()], |i| i.effect.starts(context, &i.target))
     }
 
-    /// How many targets, or widths, its kind has.
+    /// How many targets its kind has.
     pub fn targets(&self, context: &EffectContext) -> usize {
         match self {
             Term::Effect(i) => i.effect.targets(context).len().max(1),
-            Term::Outliers => 1,
-            Term::Masses(_) => Width::ALL.len(),
+            Term::Outliers | Term::Masses => 1,
         }
     }
 
@@ -180,7 +156,7 @@ impl Term {
         match self {
             Term::Effect(i) => i.effect.in_experiment(experiment, &i.target),
             Term::Outliers => Carry::Gone,
-            Term::Masses(_) => Carry::Same,
+            Term::Masses => Carry::Same,
         }
     }
 
@@ -189,7 +165,7 @@ impl Term {
         match self {
             Term::Effect(instance) => instance.effect.id().name(),
             Term::Outliers => OUTLIERS.0,
-            Term::Masses(_) => FREE_MASSES,
+            Term::Masses => FREE_MASSES,
         }
     }
 
@@ -210,7 +186,7 @@ impl Term {
         match self {
             Term::Effect(instance) => instance.phrase(context),
             Term::Outliers => OUTLIERS.1.to_string(),
-            Term::Masses(_) => FREED.1.to_string(),
+            Term::Masses => FREED.1.to_string(),
         }
     }
 
@@ -225,7 +201,7 @@ impl Term {
         match self {
             Term::Effect(i) => (context.catalog.rank(i.effect.id()), i.target.clone()),
             Term::Outliers => (effects, Target::Whole),
-            Term::Masses(width) => (effects + 1 + *width as usize, Target::Whole),
+            Term::Masses => (effects + 1, Target::Whole),
         }
     }
 
@@ -258,4 +234,82 @@ pub fn sorted(context: &EffectContext, terms: &[Term]) -> Vec<Term> {
     let mut all = terms.to_vec();
     all.sort_by_cached_key(|term| term.rank(context));
     all
+}
+
+/// An explanation of a log in the parameters of a further experiment.
+pub(super) struct CarriedExplanation {
+    pub terms: Vec<Term>,
+    /// Each of their unknowns: which one of the log's it is, and its sign.
+    pub columns: Vec<(usize, f64)>,
+}
+
+impl CarriedExplanation {
+    /// The explanation of the log itself.
+    pub fn same(terms: &[Term], context: &EffectContext) -> CarriedExplanation {
+        let unknowns: usize = terms.iter().map(|term| term.unknowns(context)).sum();
+        CarriedExplanation {
+            terms: terms.to_vec(),
+            columns: (0..unknowns).map(|k| (k, 1.0)).collect(),
+        }
+    }
+
+    /// Slopes by the unknowns here as slopes by the `count` unknowns of the log.
+    pub fn by_unknowns(&self, slopes: DMatrix<f64>, count: usize) -> DMatrix<f64> {
+        if self
+            .columns
+            .iter()
+            .copied()
+            .eq((0..count).map(|k| (k, 1.0)))
+        {
+            return slopes;
+        }
+        let mut all = DMatrix::zeros(slopes.nrows(), count);
+        for (own, &(k, sign)) in slopes.column_iter().zip(&self.columns) {
+            let mut to = all.column_mut(k);
+            to += own * sign;
+        }
+        all
+    }
+
+    pub fn unknowns(&self, of_log: &[f64]) -> Vec<f64> {
+        let columns = self.columns.iter();
+        columns.map(|(k, sign)| sign * of_log[*k]).collect()
+    }
+}
+
+/// The same term on the robot `there`, if it has such a target.
+fn moved(term: &Term, here: &EffectContext, there: &EffectContext) -> Option<Term> {
+    let Some(instance) = term.effect() else {
+        return Some(term.clone());
+    };
+    let name = here.name_of(&instance.target);
+    let target = there.target_named(instance.effect, &name)?;
+    let effect = instance.effect;
+    Some(Term::Effect(Instance { effect, target }))
+}
+
+/// What becomes of `terms` of the robot `here`, if anything, in an experiment `there`.
+pub(super) fn carried(
+    experiment: Experiment,
+    here: &EffectContext,
+    there: &EffectContext,
+    terms: &[Term],
+) -> CarriedExplanation {
+    let mut carried = CarriedExplanation {
+        terms: Vec::new(),
+        columns: Vec::new(),
+    };
+    for (term, own) in with_places(terms, here) {
+        let factors = match term.in_experiment(experiment) {
+            Carry::Gone => continue,
+            Carry::Scaled(factors) => factors,
+            Carry::Same => vec![1.0; own.len()],
+        };
+        let Some(there) = moved(term, here, there) else {
+            continue;
+        };
+        carried.terms.push(there);
+        carried.columns.extend(own.zip(factors));
+    }
+    carried
 }

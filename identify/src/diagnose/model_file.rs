@@ -17,7 +17,7 @@ pub fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
     let (factor, beyond) = problem.prior_of(&best.terms);
     let values = stated::masses_of(problem, best);
     let masses = problem.masses_of(best, ALL);
-    let spread = &*factor * masses.covariance() * factor.transpose();
+    let spread = factor * masses.covariance() * factor.transpose();
     let std: Vec<f64> = (0..values.len())
         .map(|k| spread[(k, k)].max(0.0).sqrt())
         .collect();
@@ -29,7 +29,7 @@ pub fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
     }
     let source = if identified { "data" } else { "prior" };
     let mut file = ModelFile::from_values(model, &values, Some(&std), source);
-    file.inform(information(&rows, &factor, beyond));
+    file.inform(information(&rows, factor, beyond));
     file.noise_floor = Some(problem.first.data.noise_floor);
     let quantities = words::values(problem, best);
     for (term, values) in best.terms.iter().zip(&quantities) {

@@ -22,8 +22,7 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::{self, EffectContext, EffectId, PostureContext};
 
 use super::criteria;
-use super::experiment::{CarriedExplanation, carried};
-use super::hypothesis::{self, Term, Width, with_places};
+use super::hypothesis::{self, CarriedExplanation, Term, carried, with_places};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use crate::fit::prior::{Prior, Tolerances};
@@ -33,7 +32,7 @@ use crate::observations::correlation::Correlation;
 
 use crate::svd::svd;
 pub(super) use block::Rewire;
-pub use block::{Block, Closed};
+pub use block::{Block, Closed, OwnSides};
 pub(super) use fitting::Weighting;
 
 /// Logs of a robot, and the prior of its masses.
@@ -45,8 +44,8 @@ pub struct Problem<'m> {
     pub others: Vec<Block<'m>>,
     /// Masses within the prior that was asked for; rows are those of all blocks.
     pub nuisance: Nuisance,
-    /// Masses within parts of the usual tolerances of CAD, for `mass_distribution`, by [`Width`].
-    wide: [Nuisance; Width::ALL.len()],
+    /// Masses within the usual tolerances of CAD, for `mass_distribution`.
+    wide: Nuisance,
     /// Factor F of the prior on masses; `wide_prior` is that of the usual tolerances.
     pub prior: DMatrix<f64>,
     /// What is known of directions that `prior` has no column for.
@@ -103,7 +102,7 @@ pub struct OnBlock {
     /// The same of the soles, where the log is of both feet.
     pub closed: Option<Closed>,
     /// Sides of dead bands, where they matter.
-    pub sides: Option<backlash_sides::OwnSides>,
+    pub sides: Option<OwnSides>,
     /// Postures with a joint on the side of its dead band that gravity does not favour.
     pub flipped: Vec<usize>,
 }
@@ -121,15 +120,9 @@ impl Fit {
         Some(&self.unknowns[own])
     }
 
-    /// Whether masses are identified within other tolerances of CAD than the prior's.
+    /// Whether masses are identified within the usual tolerances of CAD.
     pub fn frees_masses(&self) -> bool {
-        width(&self.terms).is_some()
-    }
-
-    /// What it names beside masses that are off.
-    pub fn beside_masses(&self) -> impl Iterator<Item = &Term> {
-        let terms = self.terms.iter();
-        terms.filter(|term| !matches!(term, Term::Masses(_)))
+        self.terms.contains(&Term::Masses)
     }
 
     /// What it predicts, block by block.
@@ -233,7 +226,7 @@ impl<'m> Problem<'m> {
             first,
             others,
             nuisance: Nuisance::none(),
-            wide: Width::ALL.map(|_| Nuisance::none()),
+            wide: Nuisance::none(),
             prior: factor,
             beyond_prior,
             wide_prior: usual.unwrap_or_else(none),
@@ -331,8 +324,7 @@ impl<'m> Problem<'m> {
         }
         let rows = self.whitened_rows();
         self.nuisance = Nuisance::of(&rows * &self.prior);
-        let wide = &rows * &self.wide_prior;
-        self.wide = Width::ALL.map(|width| Nuisance::of(&wide * width.part()));
+        self.wide = Nuisance::of(&rows * &self.wide_prior);
     }
 
     /// Whitened derivative of all rows by the base parameters; masses move no sole.
@@ -419,17 +411,19 @@ impl<'m> Problem<'m> {
 
     /// The masses' directions under a hypothesis.
     pub fn masses(&self, terms: &[Term]) -> &Nuisance {
-        match width(terms) {
-            Some(width) => &self.wide[width as usize],
-            None => &self.nuisance,
+        if terms.contains(&Term::Masses) {
+            &self.wide
+        } else {
+            &self.nuisance
         }
     }
 
     /// Factor F of the masses' prior under a hypothesis, and what is known beyond.
-    pub(super) fn prior_of(&self, terms: &[Term]) -> (Cow<'_, DMatrix<f64>>, Beyond) {
-        match width(terms) {
-            Some(width) => (Cow::Owned(&self.wide_prior * width.part()), Beyond::Exact),
-            None => (Cow::Borrowed(&self.prior), self.beyond_prior),
+    pub(super) fn prior_of(&self, terms: &[Term]) -> (&DMatrix<f64>, Beyond) {
+        if terms.contains(&Term::Masses) {
+            (&self.wide_prior, Beyond::Exact)
+        } else {
+            (&self.prior, self.beyond_prior)
         }
     }
 
@@ -479,9 +473,9 @@ impl<'m> Problem<'m> {
         self.masses(&fit.terms).shift(&self.mass_errors(fit, rows))
     }
 
-    /// Whether this part of the usual tolerances leaves masses more room than the prior.
-    pub(super) fn is_wider(&self, width: Width) -> bool {
-        self.wide[width as usize].log_det > self.nuisance.log_det
+    /// Whether the usual tolerances of CAD leave masses more room than the prior.
+    pub(super) fn is_wider(&self) -> bool {
+        self.wide.log_det > self.nuisance.log_det
     }
 
     /// What of stacked columns is neither a mass error nor common to all soles of a log.
@@ -536,14 +530,6 @@ impl<'m> Problem<'m> {
             })
             .collect()
     }
-}
-
-/// How far masses may be off CAD under a hypothesis; none where the prior holds.
-fn width(terms: &[Term]) -> Option<Width> {
-    terms.iter().find_map(|term| match term {
-        Term::Masses(width) => Some(*width),
-        _ => None,
-    })
 }
 
 /// What free masses leave of readings, m, and how many of these they take up: noise, and

@@ -206,7 +206,7 @@ fn of_term(problem: &Problem, term: &Term, values: &[f64], description: &Descrip
                 ..Remedy::default()
             };
         }
-        Term::Masses(_) => {
+        Term::Masses => {
             return Remedy {
                 sentence: "true masses differ from CAD; the model file holds the parameters that \
                            these data know, a corrected URDF the masses nearest to CAD that have \

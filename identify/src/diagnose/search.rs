@@ -12,7 +12,7 @@ use sesc_model::effects::{Stage, Target};
 
 use super::criteria;
 use super::dictionary::Dictionary;
-use super::hypothesis::{Term, Width, sorted};
+use super::hypothesis::{Term, sorted};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem, Proposal};
@@ -193,8 +193,7 @@ impl<'m> Search<'m> {
             *count <= per_kind
         });
         proposals.truncate(most);
-        let masses = Width::ALL.map(Term::Masses);
-        for term in [Term::Outliers].into_iter().chain(masses) {
+        for term in [Term::Outliers, Term::Masses] {
             proposals.extend(self.with_model(parent, term));
         }
         proposals
@@ -206,9 +205,7 @@ impl<'m> Search<'m> {
             return None;
         }
         // Masses that are as free already are no effect.
-        if let Term::Masses(width) = term
-            && !self.problem.is_wider(width)
-        {
+        if term == Term::Masses && !self.problem.is_wider() {
             return None;
         }
         let penalty = self.problem.penalty(std::slice::from_ref(&term));

@@ -24,8 +24,7 @@ use sesc_model::effects::{self, PostureContext};
 use sesc_model::tape::{Tape, Values};
 
 use super::criteria::stated::{AGREES, FLIPPED, GAIN, MOST, SHORTEST};
-use super::experiment::CarriedExplanation;
-use super::hypothesis::{Term, Width, effects_of};
+use super::hypothesis::{CarriedExplanation, Term, effects_of};
 use super::problem::{ALL, Block, Fit, OnBlock, Problem, Weighting, backlash_sides};
 use crate::evaluate::FASTEST;
 use crate::observations::postures::rms;
@@ -39,13 +38,14 @@ pub(super) fn masses_of(problem: &Problem, fit: &Fit) -> Vec<f64> {
         return masses.clone();
     }
     let (factor, _) = problem.prior_of(&fit.terms);
-    moved(problem, &*factor * problem.mass_errors(fit, ALL))
+    moved(problem, factor * problem.mass_errors(fit, ALL))
 }
 
 /// Masses that CAD's usual tolerances and the residuals of a fit suggest, m.
 fn usual_masses(problem: &Problem, fit: &Fit) -> Vec<f64> {
-    let usual = [Term::Masses(Width::Usual)];
-    let errors = problem.masses(&usual).posterior_mean(&fit.residual());
+    let errors = problem
+        .masses(&[Term::Masses])
+        .posterior_mean(&fit.residual());
     moved(problem, &problem.wide_prior * errors)
 }
 
@@ -67,7 +67,7 @@ pub(super) fn settle<'m>(problem: &Problem<'m>, fit: &Fit) -> Option<(Problem<'m
         return None;
     }
     let mut best = file.filled(problem, fit.clone(), masses_of(problem, fit));
-    if loose && !problem.is_wider(Width::Usual) {
+    if loose && !problem.is_wider() {
         // A prior that holds no masses lets those of light links be anything.
         let usual = file.filled(problem, fit.clone(), usual_masses(problem, fit));
         if usual.misfit < best.misfit {

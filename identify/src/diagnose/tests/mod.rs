@@ -26,7 +26,7 @@ use sesc_reference::World;
 
 use super::diagnosis::find;
 use super::findings::{About, Explained};
-use super::hypothesis::{Term, Width};
+use super::hypothesis::Term;
 use super::problem::{Block, Fit, Problem};
 use super::{Request, words};
 use crate::fit::prior::{Prior, Tolerance, Tolerances};
@@ -215,7 +215,7 @@ fn gauss(seed: u64) -> impl FnMut() -> f64 {
 fn term(problem: &Problem, effect: &str, target: &str) -> Term {
     match effect {
         "cop_outliers" => return Term::Outliers,
-        "mass_distribution" => return Term::Masses(Width::Usual),
+        "mass_distribution" => return Term::Masses,
         _ => (),
     }
     let effect = problem.first.context.catalog.named(effect).unwrap();

@@ -8,8 +8,7 @@ use sesc_model::expr::Id;
 use sesc_model::urdf::Shift;
 
 use super::{Bench, SKEW, request, says, table};
-use crate::diagnose::experiment::carried;
-use crate::diagnose::hypothesis::{Term, effect_terms};
+use crate::diagnose::hypothesis::{Term, carried, effect_terms};
 use crate::diagnose::problem::{ALL, Block, Problem};
 use crate::diagnose::{Report, Verdict, diagnose};
 use crate::fit::prior::Prior;

@@ -62,7 +62,7 @@ pub(super) fn predicted(
 fn change(problem: &Problem, best: &Fit, at: usize) -> Option<Vec<f64>> {
     match &best.terms[at] {
         Term::Effect(_) => {}
-        Term::Masses(_) => {
+        Term::Masses => {
             let shift = problem.mass_shift(best);
             let metres = shift.iter().zip(&problem.first.weight).map(|(s, w)| s / w);
             return Some(metres.collect());
