@@ -8,7 +8,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_reference::{Robot, World};
-use sesc_test_support::command::{Folder, refused, stderr, stdout};
+use sesc_test_support::command::{Folder, refused, stdout};
 
 /// Two skewed joints on a foot.
 const SKEW: &str = "<robot name='skew'>\
