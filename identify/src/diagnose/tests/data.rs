@@ -345,7 +345,7 @@ fn rows_on_another_foot_are_left_out_and_counted() {
     let data = read(log, "", Some(NOISE)).unwrap();
     assert_eq!(data.pose, [1, 3]);
     assert_eq!(data.reading, [0.01, 0.02, 0.05, 0.06]);
-    says(&data.warnings[0], &["1 rows stand on another link"]);
+    assert_eq!(data.elsewhere.get("shank"), Some(&1));
     let refusal = read(&log.replace("foot", "thigh"), "", Some(NOISE)).unwrap_err();
     let words = ["no posture stands on `foot`", "another link by `support`"];
     says(refusal, &words);
