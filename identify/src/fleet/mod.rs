@@ -84,7 +84,7 @@ pub struct Options {
     #[serde(skip_serializing_if = "Only::is_all")]
     pub only: Only,
     /// Whether rows of parameters alone keep what they know of all of them together, as those of
-    /// diagnoses do, for [`population`](super::population()).
+    /// diagnoses do, for [`population`](population()).
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub information: bool,
 }
