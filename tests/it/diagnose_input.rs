@@ -238,8 +238,23 @@ fn rows_on_another_link_are_explained_with_the_first() {
             _ => vec![own("foot"), format!("{},shank,{rest}\n", 1000 + k)],
         }
     });
-    case.write("both.csv", both.collect::<String>());
+    let both = both.collect::<String>();
+    case.write("both.csv", &both);
     let found = json(&run(&case, "both.csv", "--json"));
     assert_eq!(found["verdict"], "unexplained", "{}", found["sentence"]);
     assert_eq!(found["support"], "foot");
+    // A few such rows are left out, and said to be.
+    let rows = both.lines().filter(|row| !row.contains(",shank,"));
+    let rows: Vec<&str> = rows.collect();
+    let (last, rows) = rows.split_last().unwrap();
+    let rows = format!(
+        "{}\n{}\n",
+        rows.join("\n"),
+        last.replace(",foot,", ",shank,")
+    );
+    case.write("few.csv", rows);
+    let found = json(&run(&case, "few.csv", "--json"));
+    assert_ne!(found["verdict"], "unexplained", "{}", found["sentence"]);
+    let said = found["warnings"].to_string();
+    assert!(said.contains("1 rows stand on `shank`"), "{said}");
 }

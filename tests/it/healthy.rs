@@ -20,6 +20,8 @@ use sesc_test_support::command::Folder;
 use sesc_test_support::examine::bought::bought;
 use sesc_test_support::stage::{Platform, Stage};
 
+use crate::both_feet::LEG;
+
 /// Noise of a posture's reading, m.
 const NOISE: f64 = 5e-4;
 /// Postures of the healthy log, and of the one with the fault.
@@ -292,14 +294,7 @@ fn faults_of_both_legs_are_found_in_rows_of_both_feet() {
                 let mut q = bench.stage.balanced(400, &mut bench.random);
                 q.iter_mut().for_each(|q| {
                     let of = |name: &str| names.iter().position(|own| own == name).unwrap();
-                    for own in [
-                        "hip_yaw",
-                        "hip_roll",
-                        "hip_pitch",
-                        "knee",
-                        "ank_pitch",
-                        "ank_roll",
-                    ] {
+                    for own in LEG {
                         let (right, left) = (of(&format!("r_{own}")), of(&format!("l_{own}")));
                         (q[right], q[left]) = (-q[left], -q[right]);
                     }

@@ -173,10 +173,17 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     check_healthy(request, watch)?;
     let model = prior.expected(model);
     let (log, rows, mut data) = screened(request, &model, &prior, watch)?;
-    let elsewhere = data.elsewhere.keys().filter(|_| log.can_be_read_again());
+    // A few rows on another link are rather a wrong label than a stand on another foot.
+    let rows_in_all = data.rows + data.elsewhere.values().sum::<u64>();
+    let again = log.can_be_read_again();
+    let (elsewhere, left_out): (BTreeMap<String, u64>, _) = std::mem::take(&mut data.elsewhere)
+        .into_iter()
+        .partition(|(_, rows)| again && 10 * rows >= rows_in_all);
+    data.elsewhere = left_out;
+    warn_of_left_out(&log, &data, watch);
     let stands = request.then.iter().map(|log| stand(request, &support, log));
     // Rows on another foot are a log of their own.
-    let stands = stands.chain(elsewhere.map(|link| {
+    let stands = stands.chain(elsewhere.keys().map(|link| {
         let model = robot.model(link, request.snapping, None)?;
         Ok((Experiment::OtherFoot, model))
     }));
@@ -210,13 +217,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
                 ));
             }
             before.push(own);
-            for (link, rows) in &postures.elsewhere {
-                let left_out = format!(
-                    "{}: {rows} rows stand on `{link}` and are left out; give them as the first log",
-                    source.name()
-                );
-                watch.warning(&left_out.into());
-            }
+            warn_of_left_out(source, &postures, watch);
             let (sidecar, _) = source.sidecar()?;
             closure = closure::of(&Feet::default(), &sidecar, there, &mut postures, watch)?;
         }
@@ -528,6 +529,17 @@ fn take(
         .iter()
         .for_each(|warning| watch.warning(warning));
     Ok(data)
+}
+
+/// Warn of rows that stand on another link where they are no log of their own.
+fn warn_of_left_out(log: &LogSource, postures: &Postures, watch: &mut dyn Watch) {
+    for (link, rows) in &postures.elsewhere {
+        let warning = format!(
+            "{}: {rows} rows stand on `{link}` and are left out; give them as a file of their own",
+            log.name()
+        );
+        watch.warning(&warning.into());
+    }
 }
 
 /// What a further log is of, and the robot as it stands there.

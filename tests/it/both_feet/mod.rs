@@ -34,7 +34,7 @@ const FINE: Noise = Noise {
     ..COARSE
 };
 const POSTURES: usize = 40;
-const LEG: [&str; 6] = [
+pub(crate) const LEG: [&str; 6] = [
     "hip_yaw",
     "hip_roll",
     "hip_pitch",
