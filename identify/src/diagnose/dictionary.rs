@@ -17,15 +17,17 @@ use super::criteria;
 use super::hypothesis::{Term, effect_terms};
 use super::problem::{ALL, Block, Fit, Problem, stacked_residual, stacked_slopes};
 use crate::lsq::{factor_normal, transposed_times};
+use crate::threads::each_long;
+
+/// Candidates whose columns are made and projected together.
+const PART: usize = 64;
 
 pub struct Dictionary {
     pub candidates: Vec<Candidate>,
-    /// Whitened slopes, all candidates side by side, and S times them.
+    /// Whitened slopes Z, all candidates side by side.
     slopes: DMatrix<f64>,
-    projected: DMatrix<f64>,
-    /// Products of each candidate's columns with their projections: the same for all residuals.
+    /// Zᵀ S Z of each candidate: the same for all residuals.
     squares: Vec<DMatrix<f64>>,
-    gram: Option<DMatrix<f64>>,
 }
 
 pub struct Candidate {
@@ -48,92 +50,113 @@ impl Dictionary {
         let predicted =
             |terms: &[Term], unknowns: &[f64]| problem.predict(terms, unknowns, &contexts, q);
         let none = stacked_residual(predicted(&[], &[]).iter());
+        let terms = effect_terms(context);
+        let rows = none.len();
+        let count: usize = terms.iter().map(|term| term.unknowns(context)).sum();
         let mut candidates = Vec::new();
-        let mut columns: Vec<DVector<f64>> = Vec::new();
-        for term in effect_terms(context) {
-            let count = term.unknowns(context);
-            if count == 0 {
-                continue;
-            }
-            let from = columns.len();
-            let own = std::slice::from_ref(&term);
+        let mut columns: Vec<f64> = Vec::with_capacity(rows * count);
+        let of = |term: &Term| -> (bool, DMatrix<f64>) {
+            let own = std::slice::from_ref(term);
             let starts = term.starts(context);
             if starts.len() == 1 {
-                let slopes = stacked_slopes(predicted(own, &starts[0]).iter(), count);
-                columns.extend(slopes.column_iter().map(|column| column.into_owned()));
-            } else {
-                // No slope at none: what each start does, as one direction each,
-                // of which the strongest stands for it.
-                let middle = &starts[starts.len() / 3];
-                let with = stacked_residual(predicted(own, middle).iter());
-                // A residual falls by what its prediction rises.
-                columns.push(&none - with);
+                let slopes = predicted(own, &starts[0]);
+                return (false, stacked_slopes(slopes.iter(), term.unknowns(context)));
             }
-            candidates.push(Candidate {
-                started: starts.len() > 1,
-                term,
-                from,
-                count: columns.len() - from,
-            });
+            // No slope at none: what each start does, as one direction each, of which the
+            // strongest stands for it.
+            let with = stacked_residual(predicted(own, &starts[starts.len() / 3]).iter());
+            // A residual falls by what its prediction rises.
+            (true, DMatrix::from_columns(&[&none - with]))
+        };
+        let unknown = |term: &&Term| term.unknowns(context) > 0;
+        let terms: Vec<&Term> = terms.iter().filter(unknown).collect();
+        for some in terms.chunks(PART) {
+            for (term, (started, own)) in some.iter().zip(each_long(some, |term| of(term))) {
+                candidates.push(Candidate {
+                    started,
+                    term: (*term).clone(),
+                    from: columns.len() / rows,
+                    count: own.ncols(),
+                });
+                columns.extend_from_slice(own.as_slice());
+            }
         }
-        let slopes = match columns.is_empty() {
-            true => DMatrix::zeros(none.len(), 0),
-            false => DMatrix::from_columns(&columns),
-        };
-        let projected = problem.project_out(&problem.nuisance, &slopes);
-        let square = |c: &Candidate| {
-            let columns = slopes.columns(c.from, c.count);
-            columns.tr_mul(&projected.columns(c.from, c.count))
-        };
-        Dictionary {
-            squares: candidates.iter().map(square).collect(),
+        let mut dictionary = Dictionary {
+            slopes: DMatrix::from_vec(rows, columns.len() / rows, columns),
+            squares: Vec::new(),
             candidates,
-            slopes,
-            projected,
-            gram: None,
+        };
+        let mut squares = Vec::new();
+        dictionary.in_parts(problem, |some, slopes, left| {
+            let first = some[0].from;
+            squares.extend(some.iter().map(|c| {
+                let own = |all: &DMatrix<f64>| all.columns(c.from - first, c.count).into_owned();
+                own(slopes).tr_mul(&own(left))
+            }));
+        });
+        dictionary.squares = squares;
+        dictionary
+    }
+
+    /// Each in turn of a few candidates, with their slopes Z and S Z: those of all would take
+    /// as much memory again.
+    fn in_parts(
+        &self,
+        problem: &Problem,
+        mut each: impl FnMut(&[Candidate], &DMatrix<f64>, &DMatrix<f64>),
+    ) {
+        for some in self.candidates.chunks(PART) {
+            let (first, last) = (&some[0], &some[some.len() - 1]);
+            let count = last.from + last.count - first.from;
+            let slopes = self.slopes.columns(first.from, count).into_owned();
+            let left = problem.project_out(&problem.nuisance, &slopes);
+            each(some, &slopes, &left);
         }
     }
 
     /// χ² that each candidate of ordinary size would have in this log.
     pub fn visible(&self, problem: &Problem) -> Vec<(Term, f64)> {
-        let of = |c: &Candidate| {
+        let of = |(c, square): (&Candidate, &DMatrix<f64>)| {
             let scales = c.term.scales(&problem.first.context);
             let ordinary = match c.count == scales.len() && !c.started {
                 true => DVector::from_vec(scales),
                 false => DVector::from_element(c.count, 1.0),
             };
-            let z = self.slopes.columns(c.from, c.count);
-            let sz = self.projected.columns(c.from, c.count);
-            let chi2 = (sz * &ordinary).dot(&(z * &ordinary));
+            let chi2 = ordinary.dot(&(square * &ordinary));
             (c.term.clone(), chi2.max(0.0))
         };
-        self.candidates.iter().map(of).collect()
+        self.candidates.iter().zip(&self.squares).map(of).collect()
     }
 
     /// How far each candidate would lower the objective of `fit`, to first order.
     pub fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
         let masses = problem.masses(&fit.terms);
-        let (mut residual, own) = (fit.residual(), fit.slopes());
+        let own = fit.unknowns.len();
+        let mut residual = fit.residual();
         let root = problem.root_weights(fit, ALL);
         let weights = root.iter().flatten();
         residual.iter_mut().zip(weights).for_each(|(e, w)| *e *= w);
-        let left = problem.project_out_one(masses, &residual);
-        let own_projected = problem.project_out(masses, &own);
-        let factor = factor_normal(own.tr_mul(&own_projected));
-        let of_own = own.tr_mul(&left);
+        let mut rows = fit.slopes().insert_column(own, 0.0);
+        rows.set_column(own, &residual);
+        let left = problem.project_out(masses, &rows);
+        let of_own = transposed_times(&rows, &left);
+        let of_all = transposed_times(&self.slopes, &left);
+        let factor = factor_normal(of_own.view((0, 0), (own, own)).into_owned());
+        let pull = of_own.view((0, own), (own, 1)).into_owned();
         self.candidates
             .iter()
             .zip(&self.squares)
             .map(|(c, square)| {
-                let z = self.slopes.columns(c.from, c.count);
-                let sz = self.projected.columns(c.from, c.count);
                 let mut a = square.clone();
-                let mut b = z.tr_mul(&left);
+                let mut b = of_all
+                    .view((c.from, own), (c.count, 1))
+                    .column(0)
+                    .into_owned();
                 let whole: Vec<f64> = (0..c.count).map(|k| a[(k, k)]).collect();
-                if let (Some(factor), true) = (&factor, own.ncols() > 0) {
-                    let cross = sz.tr_mul(&own);
-                    a -= &cross * factor.solve(&cross.transpose());
-                    b -= &cross * factor.solve(&of_own);
+                if let (Some(factor), true) = (&factor, own > 0) {
+                    let cross = of_all.view((c.from, 0), (c.count, own));
+                    a -= cross * factor.solve(&cross.transpose());
+                    b -= cross * factor.solve(&pull);
                 }
                 gain(a, &b, &whole)
             })
@@ -141,9 +164,9 @@ impl Dictionary {
     }
 
     /// Gains of one candidate with whitened residuals of another model of the same
-    /// slopes: for wiring faults, tried by the hundred.
-    pub fn gains_of(&self, residual: &DVector<f64>) -> Vec<f64> {
-        let b = self.projected.tr_mul(residual);
+    /// slopes, `left` of which is no mass error: for wiring faults, tried by the hundred.
+    pub fn gains_of(&self, left: &DVector<f64>) -> Vec<f64> {
+        let b = self.slopes.tr_mul(left);
         self.candidates
             .iter()
             .zip(&self.squares)
@@ -154,14 +177,21 @@ impl Dictionary {
             .collect()
     }
 
-    /// Every pair's gain: (first, second, gain).
-    pub fn pairs(&mut self, residual: &DVector<f64>) -> Vec<(usize, usize, f64)> {
-        if self.gram.is_none() {
-            self.gram = Some(transposed_times(&self.slopes, &self.projected));
-        }
-        let gram = self.gram.as_ref().expect("made above");
-        let b = self.projected.tr_mul(residual);
-        let mut pairs = Vec::new();
+    /// Every pair's gain, by their places among the candidates.
+    pub fn pairs(
+        &self,
+        problem: &Problem,
+        residual: &DVector<f64>,
+        mut each: impl FnMut(usize, usize, f64),
+    ) {
+        let width = self.slopes.ncols();
+        let mut gram = DMatrix::zeros(width, width);
+        self.in_parts(problem, |some, slopes, left| {
+            gram.columns_mut(some[0].from, slopes.ncols())
+                .copy_from(&transposed_times(&self.slopes, left));
+        });
+        let left = problem.project_out_one(&problem.nuisance, residual);
+        let b = self.slopes.tr_mul(&left);
         for (i, first) in self.candidates.iter().enumerate() {
             let aa = gram
                 .view((first.from, first.from), (first.count, first.count))
@@ -184,10 +214,9 @@ impl Dictionary {
                 let whole: Vec<f64> = (0..second.count).map(|k| a[(k, k)]).collect();
                 a -= cross * factor.solve(&cross.transpose());
                 let bb = b.rows(second.from, second.count) - cross * &solved;
-                pairs.push((i, j, alone + gain(a, &bb, &whole)));
+                each(i, j, alone + gain(a, &bb, &whole));
             }
         }
-        pairs
     }
 }
 

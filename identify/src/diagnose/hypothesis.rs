@@ -125,14 +125,6 @@ impl Term {
             .map_or_else(|| vec![Vec::new()], |i| i.effect.starts(context, &i.target))
     }
 
-    /// How many targets its kind has.
-    pub fn targets(&self, context: &EffectContext) -> usize {
-        match self {
-            Term::Effect(i) => i.effect.targets(context).len().max(1),
-            Term::Outliers | Term::Masses => 1,
-        }
-    }
-
     /// The parameters with the values that these unknowns mean.
     pub fn values(&self, context: &EffectContext, unknowns: &[f64]) -> Vec<Value> {
         self.effect()

@@ -11,7 +11,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use crate::lsq::transposed_times;
+use crate::lsq::{transposed_times, without_product};
 
 /// Directions of mass error, whitened: rows as readings, a column per direction.
 #[derive(Debug, Clone)]
@@ -38,12 +38,14 @@ fn triangle(k: &DMatrix<f64>) -> Cholesky<f64, Dyn> {
     Cholesky::pack_dirty(lower)
 }
 
-impl Nuisance {
+impl Default for Nuisance {
     /// Masses that are known.
-    pub fn none() -> Nuisance {
+    fn default() -> Nuisance {
         Nuisance::of(DMatrix::zeros(0, 0))
     }
+}
 
+impl Nuisance {
     /// `k`: whitened regressor rows times F.
     pub fn of(k: DMatrix<f64>) -> Nuisance {
         let mut a = transposed_times(&k, &k);
@@ -79,13 +81,20 @@ impl Nuisance {
     /// `S x` with `S = I − K A⁻¹ Kᵀ`: what of whitened columns is no mass error.
     pub fn project_out(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
         let inner = self.factor.solve(&transposed_times(&self.k, x));
-        x - &self.k * inner
+        without_product(x, &self.k, &inner)
     }
 
     /// The same of one whitened column.
     pub fn project_out_one(&self, x: &DVector<f64>) -> DVector<f64> {
         let inner = self.factor.solve(&self.k.tr_mul(x));
         x - &self.k * inner
+    }
+
+    /// `xᵀ S x` of one whitened column.
+    pub fn chi2(&self, x: &DVector<f64>) -> f64 {
+        let mut taken = self.k.tr_mul(x);
+        self.factor.l_dirty().solve_lower_triangular_mut(&mut taken);
+        x.norm_squared() - taken.norm_squared()
     }
 
     /// Whether mass errors move readings by less than a thousandth of the noise.

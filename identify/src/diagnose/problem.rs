@@ -13,7 +13,7 @@ mod block;
 mod fitting;
 
 use std::borrow::Cow;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::iter::once;
 use std::ops::Range;
 use std::sync::Arc;
@@ -43,16 +43,17 @@ pub struct Problem<'m> {
     /// Logs of experiments.
     pub others: Vec<Block<'m>>,
     /// Masses within the prior that was asked for; rows are those of all blocks.
-    pub nuisance: Nuisance,
+    pub nuisance: Arc<Nuisance>,
     /// Masses within the usual tolerances of CAD, for `mass_distribution`.
-    wide: Nuisance,
+    wide: Arc<Nuisance>,
     /// Factor F of the prior on masses; `wide_prior` is that of the usual tolerances.
     pub prior: DMatrix<f64>,
     /// What is known of directions that `prior` has no column for.
     pub beyond_prior: Beyond,
     pub wide_prior: DMatrix<f64>,
     target_weights: HashMap<Term, f64>,
-    kinds: usize,
+    /// How many targets each kind of effect has.
+    targets: BTreeMap<EffectId, usize>,
     /// Masses are known as tolerances of CAD alone.
     pub masses_are_cad: bool,
 }
@@ -218,15 +219,17 @@ impl<'m> Problem<'m> {
             }
         };
         let usual = Prior::Cad(Tolerances::usual()).covariance_factor(model);
-        let instances = effects::instances(&first.context);
-        let kinds: BTreeSet<EffectId> = instances.iter().map(|i| i.effect.id()).collect();
+        let mut targets: BTreeMap<EffectId, usize> = BTreeMap::new();
+        for instance in effects::instances(&first.context) {
+            *targets.entry(instance.effect.id()).or_default() += 1;
+        }
         let mut problem = Problem {
-            kinds: kinds.len() + hypothesis::MODELS,
+            targets,
             masses_are_cad: matches!(prior, Prior::Cad(_)),
             first,
             others,
-            nuisance: Nuisance::none(),
-            wide: Nuisance::none(),
+            nuisance: Arc::default(),
+            wide: Arc::default(),
             prior: factor,
             beyond_prior,
             wide_prior: usual.unwrap_or_else(none),
@@ -323,8 +326,11 @@ impl<'m> Problem<'m> {
             block.weight = block.data.std.iter().map(|s| 1.0 / s).collect();
         }
         let rows = self.whitened_rows();
-        self.nuisance = Nuisance::of(&rows * &self.prior);
-        self.wide = Nuisance::of(&rows * &self.wide_prior);
+        self.nuisance = Arc::new(Nuisance::of(&rows * &self.prior));
+        self.wide = match self.wide_prior == self.prior {
+            true => Arc::clone(&self.nuisance),
+            false => Arc::new(Nuisance::of(&rows * &self.wide_prior)),
+        };
     }
 
     /// Whitened derivative of all rows by the base parameters; masses move no sole.
@@ -376,17 +382,32 @@ impl<'m> Problem<'m> {
         own
     }
 
+    /// The same with about every so many-th posture of each block, readings alone.
+    pub(super) fn thinned(&self, every: usize) -> Problem<'m> {
+        let blocks = self.blocks().map(|block| {
+            let n = block.data.len();
+            let every = every.min(n / criteria::WIRING_POSTURES).max(1);
+            block.some(&(0..n).map(|k| k % every == 0).collect::<Vec<_>>())
+        });
+        self.about(blocks.collect())
+    }
+
     /// What unknowns and the number of things that were looked at cost:
     /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
     pub fn penalty(&self, terms: &[Term]) -> f64 {
         let readings = self.height() as f64;
+        let kinds = self.targets.len() + hypothesis::MODELS;
+        let targets = |term: &Term| match term.effect() {
+            Some(instance) => *self.targets.get(&instance.effect.id()).unwrap_or(&1),
+            None => 1,
+        };
         let of = |term: &Term| {
             let weight = match self.target_weights.get(term) {
                 Some(weight) => *weight,
-                None => 1.0 / term.targets(&self.first.context) as f64,
+                None => 1.0 / targets(term) as f64,
             };
             let unknowns = term.penalised_unknowns(&self.first.context);
-            unknowns as f64 * readings.ln() + 2.0 * (self.kinds as f64 / weight).ln()
+            unknowns as f64 * readings.ln() + 2.0 * (kinds as f64 / weight).ln()
         };
         terms.iter().map(of).sum()
     }
@@ -499,6 +520,19 @@ impl<'m> Problem<'m> {
     ) -> DVector<f64> {
         let column = DMatrix::from_column_slice(stacked.len(), 1, stacked.as_slice());
         self.project_out(masses, &column).column(0).into_owned()
+    }
+
+    /// −2 log p of one column but for a constant: `eᵀ S e`.
+    pub(super) fn chi2(&self, masses: &Nuisance, stacked: &DVector<f64>) -> f64 {
+        let mut chi2 = masses.chi2(stacked);
+        for (block, range) in self.blocks().zip(self.readings()) {
+            if let Some(closure) = &block.closure {
+                let own = stacked.rows_range(range.end..range.start + block.height());
+                let own = own.into_owned();
+                chi2 += own.dot(&closure.without_common_of(&own)) - own.norm_squared();
+            }
+        }
+        chi2
     }
 
     /// What is known of the postures of each block, under a fit to them where one is given.

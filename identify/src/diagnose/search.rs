@@ -74,6 +74,7 @@ impl<'m> Search<'m> {
     /// When `watch` stops the search.
     pub fn run(&mut self, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
         let null = self.fit(&[], None);
+        let faults = wiring::faults(&self.problem);
         let mut beam = vec![null];
         for depth in 1..=criteria::DEEPEST {
             let mut proposals = Vec::new();
@@ -91,12 +92,12 @@ impl<'m> Search<'m> {
                 let gaps = beam.iter().filter(|f| f.objective > large);
                 let further = gaps
                     .take(criteria::WIRING_PARENTS)
-                    .flat_map(|f| wiring::beside(&self.problem, f));
+                    .flat_map(|f| wiring::beside(&self.problem, f, &faults));
                 proposals.extend(further);
             }
             if depth == 1 {
                 proposals.extend(self.pairs(&beam[0]));
-                proposals.extend(wiring::proposals(&self.problem, &self.base));
+                proposals.extend(wiring::proposals(&self.problem, &self.base, &faults));
             }
             self.refine(proposals, depth, watch)?;
             beam = self.beam(depth);
@@ -240,29 +241,35 @@ impl<'m> Search<'m> {
     }
 
     /// The best pairs of a linear search over all of them.
-    fn pairs(&mut self, null: &Fit) -> Vec<Proposal> {
+    fn pairs(&self, null: &Fit) -> Vec<Proposal> {
+        let mut best: BTreeMap<[&str; 2], Vec<Proposal>> = BTreeMap::new();
         let residual = null.residual();
-        let pairs = self.base.pairs(&residual);
         let candidates = &self.base.candidates;
-        let mut proposals: Vec<Proposal> = pairs
-            .into_iter()
-            .map(|(i, j, gain)| (&candidates[i], &candidates[j], gain))
-            .filter(|(a, b, _)| compatible(std::slice::from_ref(&a.term), &b.term))
-            .map(|(a, b, gain)| Proposal {
-                terms: vec![a.term.clone(), b.term.clone()],
-                predicted_score: null.score() - gain
-                    + self.penalty(&a.term)
-                    + self.penalty(&b.term),
-                parent: None,
-            })
-            .collect();
-        proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
-        let mut per_kinds: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
-        proposals.retain(|p| {
-            let count = per_kinds.entry(kinds(&p.terms)).or_default();
-            *count += 1;
-            *count <= criteria::FIRST_OF_KIND
+        let penalties: Vec<f64> = candidates.iter().map(|c| self.penalty(&c.term)).collect();
+        self.base.pairs(&self.problem, &residual, |i, j, gain| {
+            let (a, b) = (&candidates[i], &candidates[j]);
+            if !compatible(std::slice::from_ref(&a.term), &b.term) {
+                return;
+            }
+            let mut names = [a.term.name(), b.term.name()];
+            names.sort_unstable();
+            let of_kinds = best.entry(names).or_default();
+            let predicted_score = null.score() - gain + penalties[i] + penalties[j];
+            let place = of_kinds.partition_point(|p| p.predicted_score <= predicted_score);
+            if place < criteria::FIRST_OF_KIND {
+                of_kinds.insert(
+                    place,
+                    Proposal {
+                        terms: vec![a.term.clone(), b.term.clone()],
+                        predicted_score,
+                        parent: None,
+                    },
+                );
+                of_kinds.truncate(criteria::FIRST_OF_KIND);
+            }
         });
+        let mut proposals: Vec<Proposal> = best.into_values().flatten().collect();
+        proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
         proposals.truncate(criteria::PAIRS);
         proposals
     }

@@ -126,7 +126,7 @@ impl FileModel {
             let carried = problem.carried(block, terms);
             let effects = effects_of(&carried.terms);
             OfBlock {
-                resting: Tape::new(&effects::resting_reading(&block.context, &effects)),
+                resting: Tape::of_many(&effects::resting_reading(&block.context, &effects)),
                 by_masses: OnceLock::new(),
                 carried,
             }
@@ -192,7 +192,7 @@ impl FileModel {
             let masses = block.params_from_first(r);
             let tape = own.by_masses.get_or_init(|| {
                 let effects = effects_of(&own.carried.terms);
-                Tape::new(&effects::reading_by_masses(&block.context, &effects))
+                Tape::of_many(&effects::reading_by_masses(&block.context, &effects))
             });
             let unknowns = own.carried.unknowns(&fit.unknowns);
             let out = own.run(tape, block, &unknowns, context, &masses);

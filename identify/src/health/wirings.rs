@@ -90,7 +90,7 @@ impl<'a> Wirings<'a> {
         let program = effects::wired_joints(context, std::slice::from_ref(fault));
         let mut out = vec![0.0; q.len()];
         let positions = [Values::PerPosture(q)];
-        Tape::new(&program).run(&positions, self.chosen.len(), &mut out, FASTEST);
+        Tape::of_many(&program).run(&positions, self.chosen.len(), &mut out, FASTEST);
         out
     }
 

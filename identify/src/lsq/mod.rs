@@ -29,11 +29,35 @@ pub(crate) fn factor_normal(mut normal: DMatrix<f64>) -> Option<Cholesky<f64, Dy
     normal.cholesky()
 }
 
-/// `Aᵀ B`. The library's own takes a dot product for each entry, which for tall matrices of more
-/// than a few columns is several times slower than to turn A over and multiply in blocks.
+/// Rows of a tall matrix that a processor's own cache holds.
+const NEAR: usize = 256;
+
+/// `Aᵀ B` of tall matrices. The library's own takes a dot product for each entry, and so fetches
+/// A as often as B has columns.
 pub(crate) fn transposed_times(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-    match b.ncols() {
-        ..4 => a.tr_mul(b),
-        _ => a.transpose() * b,
+    let mut product = DMatrix::zeros(a.ncols(), b.ncols());
+    for from in (0..a.nrows()).step_by(NEAR) {
+        let rows = NEAR.min(a.nrows() - from);
+        let (a, b) = (a.rows(from, rows), b.rows(from, rows));
+        match b.ncols() {
+            ..4 => product += a.tr_mul(&b),
+            _ => product.gemm(1.0, &a.transpose(), &b, 1.0),
+        }
     }
+    product
+}
+
+/// `B − A C` of tall matrices A and B, which are fetched once.
+pub(crate) fn without_product(
+    b: &DMatrix<f64>,
+    a: &DMatrix<f64>,
+    c: &DMatrix<f64>,
+) -> DMatrix<f64> {
+    let mut left = b.clone();
+    for from in (0..a.nrows()).step_by(NEAR) {
+        let rows = NEAR.min(a.nrows() - from);
+        left.rows_mut(from, rows)
+            .gemm(-1.0, &a.rows(from, rows), c, 1.0);
+    }
+    left
 }

@@ -406,30 +406,36 @@ impl Postures {
 
     /// Leave out postures whose motion is not known.
     pub fn leave_out_unknown(&mut self) {
-        let Some(motion) = &mut self.motion else {
-            return;
-        };
-        let keep = std::mem::take(&mut motion.known);
+        if let Some(motion) = &self.motion {
+            let keep = motion.known.clone();
+            self.keep(&keep);
+        }
+    }
+
+    /// Leave out the postures that are false in `keep`.
+    pub fn keep(&mut self, keep: &[bool]) {
         let width = self.q.len() / keep.len().max(1);
         let context = self.posture_context.len() / keep.len().max(1);
-        keep_some(&mut self.pose, 1, &keep);
-        keep_some(&mut self.q, width, &keep);
-        keep_some(&mut self.posture_context, context, &keep);
-        keep_some(&mut self.reading, 2, &keep);
-        keep_some(&mut self.std, 2, &keep);
-        keep_some(&mut self.less_known, 2, &keep);
-        keep_some(&mut self.spent, 2, &keep);
-        keep_some(&mut self.other_contact, 1, &keep);
-        self.t.iter_mut().for_each(|t| keep_some(t, 1, &keep));
+        keep_some(&mut self.pose, 1, keep);
+        keep_some(&mut self.q, width, keep);
+        keep_some(&mut self.posture_context, context, keep);
+        keep_some(&mut self.reading, 2, keep);
+        keep_some(&mut self.std, 2, keep);
+        keep_some(&mut self.less_known, 2, keep);
+        keep_some(&mut self.spent, 2, keep);
+        keep_some(&mut self.other_contact, 1, keep);
+        self.t.iter_mut().for_each(|t| keep_some(t, 1, keep));
         let mut firsts = HashMap::new();
-        keep_some(&mut self.first_visits, 1, &keep);
+        keep_some(&mut self.first_visits, 1, keep);
         for (k, first) in self.first_visits.iter_mut().enumerate() {
             *first = *firsts.entry(*first).or_insert(k);
         }
-        for all in motion.columns() {
-            keep_some(all, width, &keep);
+        if let Some(motion) = &mut self.motion {
+            for all in motion.columns() {
+                keep_some(all, width, keep);
+            }
+            keep_some(&mut motion.known, 1, keep);
         }
-        motion.known = vec![true; self.pose.len()];
     }
 
     /// Readings are those of a robot that is `moved`.

@@ -39,9 +39,9 @@ pub(super) struct Alone {
     rest: Vec<Run>,
     /// Constants in their places, zero elsewhere.
     initial: Vec<f64>,
-    /// What the last call left, with room for all [`PLACES`]: constants are in theirs, and
-    /// everything else is written before it is read. Calls at the same time have copies of
-    /// `initial`.
+    /// What the last call left, with room for all [`PLACES`], empty before the first: constants
+    /// are in theirs, and everything else is written before it is read. Calls at the same time
+    /// have copies of `initial`.
     used: Mutex<Vec<f64>>,
     /// The places that the values of each argument go to.
     inputs: Vec<Range<usize>>,
@@ -57,7 +57,7 @@ impl Alone {
             angles: runs(&angles, is_near),
             sines: sines.iter().filter_map(other).map(|(_, p)| p).collect(),
             rest: runs(&rest, is_near),
-            used: Mutex::new(roomy(&steps.initial)),
+            used: Mutex::default(),
             initial: steps.initial,
             inputs: inputs(program),
             outputs: steps.outputs.iter().map(|k| place(*k)).collect(),
@@ -67,7 +67,12 @@ impl Alone {
     /// Evaluate into `out`, with the bits of a block.
     pub fn run(&self, arguments: &[Values], out: &mut [f64], kernels: Kernels) {
         match self.used.try_lock() {
-            Ok(mut values) => self.run_in(&mut values, arguments, out, kernels),
+            Ok(mut values) => {
+                if values.is_empty() {
+                    *values = roomy(&self.initial);
+                }
+                self.run_in(&mut values, arguments, out, kernels);
+            }
             Err(_) => self.run_in(&mut self.initial.clone(), arguments, out, kernels),
         }
     }
@@ -99,7 +104,7 @@ impl Clone for Alone {
             sines: self.sines.clone(),
             rest: self.rest.clone(),
             initial: self.initial.clone(),
-            used: Mutex::new(roomy(&self.initial)),
+            used: Mutex::default(),
             inputs: self.inputs.clone(),
             outputs: self.outputs.clone(),
         }

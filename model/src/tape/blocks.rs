@@ -36,8 +36,8 @@ impl<const N: usize> Blocks<'_, N> {
             for (places, argument) in plan.inputs.iter().zip(self.arguments) {
                 if let Values::PerPosture(values) = argument {
                     let values = &values[start * places.len()..];
-                    let registers = &mut registers[places.clone()];
-                    read(values, n, registers);
+                    let is_read = &plan.is_read[places.clone()];
+                    read(values, n, is_read, &mut registers[places.clone()]);
                 }
             }
             widest(Steps {

@@ -41,6 +41,8 @@ pub(super) enum Step {
 pub(super) struct Plan {
     /// The registers of each input array: the first, each array in one piece.
     pub inputs: Vec<Range<usize>>,
+    /// Those of them that a step reads or an output is.
+    pub is_read: Vec<bool>,
     /// Values of the registers behind.
     pub constants: Vec<f64>,
     pub steps: Vec<Step>,
@@ -303,9 +305,16 @@ impl Plan {
             // A value that a step before made is written at its own place.
             write(id, &mut registers, &mut steps);
         }
+        let mut is_read = vec![false; inputs.last().map_or(0, |last| last.end)];
+        for (id, node) in program.iter() {
+            if matches!(node.expr, Expr::Input { .. }) && node.uses > 0 {
+                is_read[registers.at(id) as usize] = true;
+            }
+        }
         Plan {
             columns: groups.columns,
             inputs,
+            is_read,
             constants,
             steps,
             registers: registers.count,

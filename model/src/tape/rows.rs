@@ -9,11 +9,20 @@ use crate::wide::tiles::{LINE, SIDE, to_columns, to_rows};
 #[repr(C, align(64))]
 pub(super) struct Register<const N: usize>(pub [f64; N]);
 
-/// Rows of `n` postures to a register for each column.
-pub(super) fn read<const N: usize>(values: &[f64], n: usize, registers: &mut [Register<N>]) {
+/// Rows of `n` postures to a register for each column that steps read.
+pub(super) fn read<const N: usize>(
+    values: &[f64],
+    n: usize,
+    is_read: &[bool],
+    registers: &mut [Register<N>],
+) {
     let width = registers.len();
     let (fours, rest) = registers.as_chunks_mut::<SIDE>();
+    let used = is_read.as_chunks::<SIDE>().0;
     for (k, four) in fours.iter_mut().enumerate() {
+        if used[k] == [false; SIDE] {
+            continue;
+        }
         let columns = four.each_mut().map(|register| &mut register.0);
         to_columns(&values[k * SIDE..], width, n, columns);
     }

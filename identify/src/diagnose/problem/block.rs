@@ -51,7 +51,7 @@ pub struct Block<'m> {
     /// How each axis's noise lasts; none where readings are independent.
     pub(super) lasting: [Option<Process>; 2],
     /// Derivative of the readings by the base parameters here, 2 rows a posture.
-    pub rows: DMatrix<f64>,
+    pub rows: Arc<DMatrix<f64>>,
     /// What of them is motion's; none of standing robots.
     motion_rows: Option<Arc<DMatrix<f64>>>,
     /// Both soles on one floor, where the log is of both feet.
@@ -135,7 +135,7 @@ impl<'m> Block<'m> {
             context,
             weight: data.std.iter().map(|s| 1.0 / s).collect(),
             data,
-            rows,
+            rows: Arc::new(rows),
             motion_rows,
             closure: closure.map(Arc::new),
             further: None,
@@ -150,6 +150,22 @@ impl<'m> Block<'m> {
         Block {
             further: Some(Further { experiment, shift }),
             ..self
+        }
+    }
+
+    /// The readings of the postures that are true in `keep`, without the soles.
+    pub(super) fn some(&self, keep: &[bool]) -> Block<'m> {
+        let mut data = self.data.clone();
+        data.keep(keep);
+        let is_kept = |row: &usize| keep[row / 2];
+        let rows: Vec<usize> = (0..self.rows.nrows()).filter(is_kept).collect();
+        Block {
+            data,
+            rows: Arc::new(self.rows.select_rows(&rows)),
+            offset: self.offset.as_ref().map(|own| own.select_rows(&rows)),
+            motion_rows: None,
+            closure: None,
+            ..self.clone()
         }
     }
 
@@ -185,7 +201,7 @@ impl<'m> Block<'m> {
         Block {
             params,
             offset: Some(offset),
-            rows,
+            rows: Arc::new(rows),
             tapes: Arc::default(),
             ..self.clone()
         }
@@ -200,8 +216,8 @@ impl<'m> Block<'m> {
     /// Rows by the base parameters of the first block.
     pub(in crate::diagnose) fn rows_of_first(&self) -> DMatrix<f64> {
         match self.shift() {
-            Some(shift) => &self.rows * &shift.matrix,
-            None => self.rows.clone(),
+            Some(shift) => &*self.rows * &shift.matrix,
+            None => (*self.rows).clone(),
         }
     }
 
@@ -287,7 +303,7 @@ impl<'m> Block<'m> {
         }
         let program = effects::reading(&self.context, &key, &self.params);
         let tapes = Arc::new(Tapes {
-            reading: Tape::new(&program),
+            reading: Tape::of_many(&program),
             moments: OnceLock::new(),
             soles: OnceLock::new(),
         });
@@ -298,7 +314,7 @@ impl<'m> Block<'m> {
         let tapes = self.tapes(terms);
         let made = tapes.moments.get_or_init(|| {
             let program = effects::moments(&self.context, &effects_of(terms), &self.params);
-            Arc::new(Tape::new(&program))
+            Arc::new(Tape::of_many(&program))
         });
         made.clone()
     }
@@ -308,7 +324,7 @@ impl<'m> Block<'m> {
         let made = tapes.soles.get_or_init(|| {
             let effects = effects_of(terms);
             let program = effects::other_sole(&self.context, &effects, &self.params, other.place());
-            Arc::new(Tape::new(&program))
+            Arc::new(Tape::of_many(&program))
         });
         made.clone()
     }
@@ -398,32 +414,42 @@ impl<'m> Block<'m> {
         }
         let program = effects::joints(&self.context, &effects_of(terms), &self.params);
         let q = &self.data.q;
-        self.run(&Tape::new(&program), q, unknowns, posture_context)
+        self.run(&Tape::of_many(&program), q, unknowns, posture_context)
     }
 
     /// The effect of faults of wiring or of the record: the joint positions that they leave, and
     /// what becomes of a reading (m, two per posture).
     pub(in crate::diagnose) fn rewired(&self, faults: &[Term]) -> (Vec<f64>, Rewire) {
         let faults = effects_of(faults);
-        let n = self.data.len();
-        let joints = Tape::new(&effects::wired_joints(&self.context, &faults));
-        let mut q = vec![0.0; n * joints.outputs()];
-        joints.run(&[Values::PerPosture(&self.data.q)], n, &mut q, FASTEST);
-        let rewire = Rewire(Tape::new(&effects::wired_reading(&self.context, &faults)));
-        (q, rewire)
+        let q = match faults.iter().any(|own| own.effect.stage() == Stage::Wiring) {
+            true => {
+                let joints = Tape::of_many(&effects::wired_joints(&self.context, &faults));
+                let n = self.data.len();
+                let mut q = vec![0.0; n * joints.outputs()];
+                joints.run(&[Values::PerPosture(&self.data.q)], n, &mut q, FASTEST);
+                q
+            }
+            false => self.data.q.clone(),
+        };
+        let of_reading = |own: &Instance| own.effect.is_sensor_effect(&own.target);
+        let reading = faults.iter().any(of_reading);
+        let rewire = reading.then(|| effects::wired_reading(&self.context, &faults));
+        (q, Rewire(rewire.map(|program| Tape::of_many(&program))))
     }
 }
 
-/// How a fault of the record changes readings.
-pub(in crate::diagnose) struct Rewire(Tape);
+/// How a fault of the record changes readings; none where it does not.
+pub(in crate::diagnose) struct Rewire(Option<Tape>);
 
 impl Rewire {
     /// Readings under the fault, two per posture.
     pub(in crate::diagnose) fn readings(&self, readings: &[f64]) -> Vec<f64> {
+        let Some(tape) = &self.0 else {
+            return readings.to_vec();
+        };
         let mut out = vec![0.0; readings.len()];
         let arguments = [Values::PerPosture(readings)];
-        self.0
-            .run(&arguments, readings.len() / 2, &mut out, FASTEST);
+        tape.run(&arguments, readings.len() / 2, &mut out, FASTEST);
         out
     }
 }

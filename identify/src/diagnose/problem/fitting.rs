@@ -277,18 +277,18 @@ impl Problem<'_> {
         weighting: &Weighting,
     ) -> State {
         let blocks = self.predict(terms, &unknowns, weighting.contexts, None);
-        let mut e = stacked_residual(blocks.iter());
-        let mut j = stacked_slopes(blocks.iter(), unknowns.len());
-        weighting.weigh(&mut j);
-        if let Some(root) = weighting.root {
-            e.iter_mut().zip(root).for_each(|(e, root)| *e *= root);
-        }
-        let inner = self.project_out_one(weighting.masses, &e);
+        let width = unknowns.len();
+        // Slopes, and residuals behind them: masses are taken from all of them at once.
+        let mut rows = stacked_slopes(blocks.iter(), width).insert_column(width, 0.0);
+        rows.set_column(width, &stacked_residual(blocks.iter()));
+        weighting.weigh(&mut rows);
+        let left = self.project_out(weighting.masses, &rows);
+        let products = transposed_times(&rows, &left);
         let mut state = State {
-            value: e.dot(&inner),
+            value: products[(width, width)],
             normal: (
-                transposed_times(&j, &self.project_out(weighting.masses, &j)),
-                j.tr_mul(&inner),
+                products.view((0, 0), (width, width)).into_owned(),
+                products.view((0, width), (width, 1)).column(0).into_owned(),
             ),
             at_bound: 0.0,
             unknowns,
