@@ -74,6 +74,14 @@ impl Bench {
         let hidden = "--noise 0.0005 --hide joint_offset:r_knee=1.5deg";
         let three = "--hide joint_offset:right_knee=2deg --hide payload:chest=0.5,0,0,0.1 \
                      --hide joint_compliance:right_ankle_pitch=200";
+        let on_chain = |joints: usize, poses: usize| {
+            format!(
+                "simulate {} --support l0 --poses {poses} --range 30 --noise 0.0005 \
+                 --hide joint_offset:j40=1.5deg --out {}",
+                self.chain(joints),
+                file(&format!("chain{joints}.csv"))
+            )
+        };
         let lines = [
             (
                 "simulate, Parquet",
@@ -129,6 +137,24 @@ impl Bench {
             (
                 "verify, chain of 500 joints",
                 format!("verify {} --support l0", self.chain(500)),
+            ),
+            ("simulate 4000, chain of 100 joints", on_chain(100, 4000)),
+            (
+                "diagnose 4000, chain of 100 joints",
+                format!(
+                    "diagnose {} --data {}",
+                    self.chain(100),
+                    file("chain100.csv")
+                ),
+            ),
+            ("simulate 300, chain of 300 joints", on_chain(300, 300)),
+            (
+                "diagnose 300, chain of 300 joints",
+                format!(
+                    "diagnose {} --data {}",
+                    self.chain(300),
+                    file("chain300.csv")
+                ),
             ),
         ];
         let split = |line: String| line.split_whitespace().map(str::to_string).collect();
