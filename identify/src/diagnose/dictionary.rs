@@ -15,6 +15,7 @@ use sesc_model::effects::PostureContext;
 
 use super::criteria;
 use super::hypothesis::{Term, effect_terms};
+use super::nuisance::Nuisance;
 use super::problem::{ALL, Block, Fit, Problem, stacked_residual, stacked_slopes};
 use crate::lsq::{factor_normal, transposed_times};
 use crate::threads::each_long;
@@ -28,6 +29,8 @@ pub struct Dictionary {
     slopes: DMatrix<f64>,
     /// Zᵀ S Z of each candidate: the same for all residuals.
     squares: Vec<DMatrix<f64>>,
+    /// The same where masses are within the usual tolerances of CAD.
+    wide_squares: Vec<DMatrix<f64>>,
 }
 
 pub struct Candidate {
@@ -84,18 +87,28 @@ impl Dictionary {
         let mut dictionary = Dictionary {
             slopes: DMatrix::from_vec(rows, columns.len() / rows, columns),
             squares: Vec::new(),
+            wide_squares: Vec::new(),
             candidates,
         };
+        dictionary.squares = dictionary.squares_beside(problem, &problem.nuisance);
+        dictionary.wide_squares = match problem.is_wider() {
+            true => dictionary.squares_beside(problem, problem.masses(&[Term::Masses])),
+            false => dictionary.squares.clone(),
+        };
+        dictionary
+    }
+
+    /// Zᵀ S Z of each candidate.
+    fn squares_beside(&self, problem: &Problem, masses: &Nuisance) -> Vec<DMatrix<f64>> {
         let mut squares = Vec::new();
-        dictionary.in_parts(problem, |some, slopes, left| {
+        self.in_parts(problem, masses, |some, slopes, left| {
             let first = some[0].from;
             squares.extend(some.iter().map(|c| {
                 let own = |all: &DMatrix<f64>| all.columns(c.from - first, c.count).into_owned();
                 own(slopes).tr_mul(&own(left))
             }));
         });
-        dictionary.squares = squares;
-        dictionary
+        squares
     }
 
     /// Each in turn of a few candidates, with their slopes Z and S Z: those of all would take
@@ -103,13 +116,14 @@ impl Dictionary {
     fn in_parts(
         &self,
         problem: &Problem,
+        masses: &Nuisance,
         mut each: impl FnMut(&[Candidate], &DMatrix<f64>, &DMatrix<f64>),
     ) {
         for some in self.candidates.chunks(PART) {
             let (first, last) = (&some[0], &some[some.len() - 1]);
             let count = last.from + last.count - first.from;
             let slopes = self.slopes.columns(first.from, count).into_owned();
-            let left = problem.project_out(&problem.nuisance, &slopes);
+            let left = problem.project_out(masses, &slopes);
             each(some, &slopes, &left);
         }
     }
@@ -143,9 +157,13 @@ impl Dictionary {
         let of_all = transposed_times(&self.slopes, &left);
         let factor = factor_normal(of_own.view((0, 0), (own, own)).into_owned());
         let pull = of_own.view((0, own), (own, 1)).into_owned();
+        let squares = match fit.frees_masses() {
+            true => &self.wide_squares,
+            false => &self.squares,
+        };
         self.candidates
             .iter()
-            .zip(&self.squares)
+            .zip(squares)
             .map(|(c, square)| {
                 let mut a = square.clone();
                 let mut b = of_all
@@ -186,7 +204,7 @@ impl Dictionary {
     ) {
         let width = self.slopes.ncols();
         let mut gram = DMatrix::zeros(width, width);
-        self.in_parts(problem, |some, slopes, left| {
+        self.in_parts(problem, &problem.nuisance, |some, slopes, left| {
             gram.columns_mut(some[0].from, slopes.ncols())
                 .copy_from(&transposed_times(&self.slopes, left));
         });

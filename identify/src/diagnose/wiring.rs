@@ -74,7 +74,7 @@ pub fn beside(problem: &Problem, parent: &Fit, faults: &[Term]) -> Vec<Proposal>
         predicted_score: score + parent.penalty + problem.penalty(std::slice::from_ref(fault)),
         terms: sorted(
             context,
-            &[parent.terms.as_slice(), &[fault.clone()]].concat(),
+            &[&parent.terms[..], std::slice::from_ref(fault)].concat(),
         ),
         parent: Some(parent.clone()),
     });
