@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use sesc_model::effects::Stage;
-
 use super::closure;
 use super::com_spread;
 use super::criteria;
@@ -56,7 +54,6 @@ pub fn find<'m>(
     }
     let mut best = ranked[0].clone();
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
-    ranked.extend(masses_for_loads(&mut search, &best));
     let mut class = class(&best, ranked);
     let whole = search.problem();
     let problem = &*whole;
@@ -309,29 +306,6 @@ fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
     }
     class.truncate(criteria::LISTED);
     class
-}
-
-/// Explanations near the best in which masses that differ from CAD's stand in place of its loads.
-/// A load on a link is what a wrong mass looks like, and masses are off on every robot as it is
-/// bought: where only CAD is known of them, they pay neither for being looked at nor for their
-/// tolerances.
-fn masses_for_loads(search: &mut Search, best: &Fit) -> Vec<Fit> {
-    let problem = search.problem();
-    let is_load = |term: &&Term| term.stage() == Some(Stage::Loads);
-    let loads = |fit: &Fit| fit.terms.iter().filter(is_load).count();
-    if !problem.masses_are_cad || !problem.is_wider() || loads(best) == 0 || best.frees_masses() {
-        return Vec::new();
-    }
-    let others = best.terms.iter().filter(|term| !is_load(term));
-    let terms: Vec<Term> = others.cloned().chain([Term::Masses]).collect();
-    search.fit(&terms, Some(best));
-    let mut all = search.ranked();
-    all.retain_mut(|fit| {
-        fit.objective -= problem.cost_of_masses();
-        let near = fit.score() <= best.score() + criteria::CLASS_SCORE;
-        near && fit.frees_masses() && loads(fit) < loads(best)
-    });
-    all
 }
 
 /// Whether more postures are outliers than outliers can explain.

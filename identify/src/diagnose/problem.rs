@@ -499,12 +499,6 @@ impl<'m> Problem<'m> {
         self.wide.log_det > self.nuisance.log_det
     }
 
-    /// What masses within the usual tolerances of CAD cost a hypothesis, for being looked at and for
-    /// the room that these leave.
-    pub(super) fn cost_of_masses(&self) -> f64 {
-        self.penalty(&[Term::Masses]) + self.wide.log_det - self.nuisance.log_det
-    }
-
     /// What of stacked columns is neither a mass error nor common to all soles of a log.
     pub(super) fn project_out(&self, masses: &Nuisance, stacked: &DMatrix<f64>) -> DMatrix<f64> {
         let mut left = masses.project_out(stacked);
