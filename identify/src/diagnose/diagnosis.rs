@@ -44,7 +44,7 @@ pub fn find<'m>(
         true => {
             let mut ranked = search.run(watch)?;
             ranked.retain(|fit| !too_many_outliers(fit));
-            judged(&search.problem(), ranked, &none)
+            judged(&mut search, ranked, &none)
         }
         false => (vec![none.clone()], None),
     };
@@ -182,9 +182,12 @@ pub fn find<'m>(
 }
 
 /// Explanations that a robot can have, the best first, those that come near the best by their
-/// score where their own masses are; and what was implausible about a clearly better one, as a
-/// sentence. Nothing is missing where no robot has any.
-fn judged(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Option<String>) {
+/// score where their own masses are, and that of none is better without one of its terms; and what
+/// was implausible about a clearly better one, as a sentence. Nothing is missing where no robot has
+/// any.
+fn judged(search: &mut Search, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Option<String>) {
+    let whole = search.problem();
+    let problem = &*whole;
     let mut better: Option<(f64, String)> = None;
     let mut pass_over = |score: f64, sentence: String| {
         if better.as_ref().is_none_or(|(best, _)| score < *best) {
@@ -200,16 +203,7 @@ fn judged(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Opti
     }
     let mut waiting = plausible.into_iter().peekable();
     let mut ranked: Vec<Fit> = Vec::new();
-    while ranked.is_empty()
-        && let Some(first) = waiting.peek()
-    {
-        let near = first.score() + criteria::CLASS_SCORE;
-        let mut batch = Vec::new();
-        while batch.len() < criteria::LISTED
-            && let Some(fit) = waiting.next_if(|fit| fit.score() <= near)
-        {
-            batch.push(fit);
-        }
+    let mut settle = |batch: Vec<Fit>, ranked: &mut Vec<Fit>| {
         let settled = each_long(batch, |fit| match stated::settle(problem, &fit) {
             Some((own, settled)) => {
                 let sentence = implausible(&own, &settled);
@@ -224,8 +218,37 @@ fn judged(problem: &Problem, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Opti
                 Some(sentence) => pass_over(fit.score(), sentence),
             }
         }
+        ranked.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    };
+    while ranked.is_empty()
+        && let Some(first) = waiting.peek()
+    {
+        let near = first.score() + criteria::CLASS_SCORE;
+        let mut batch = Vec::new();
+        while batch.len() < criteria::LISTED
+            && let Some(fit) = waiting.next_if(|fit| fit.score() <= near)
+        {
+            batch.push(fit);
+        }
+        settle(batch, &mut ranked);
     }
-    ranked.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    // What a term took of the masses' part, these may take themselves where they have settled.
+    while let Some(best) = ranked.first().filter(|best| best.terms.len() > 1).cloned() {
+        let fewer = (0..best.terms.len()).map(|k| {
+            let mut terms = best.terms.clone();
+            terms.remove(k);
+            search.fit(&terms, Some(&best))
+        });
+        let mut fewer: Vec<Fit> = fewer.collect();
+        fewer.retain(|fit| {
+            let known = ranked.iter().any(|own| own.terms == fit.terms);
+            !known && implausible(problem, fit).is_none()
+        });
+        settle(fewer, &mut ranked);
+        if ranked[0].terms == best.terms {
+            break;
+        }
+    }
     if ranked.is_empty() {
         ranked.push(nothing.clone());
     }
