@@ -37,7 +37,7 @@ type Scenario = (
 );
 const SCENARIOS: [Scenario; 9] = [
     ("effects", 400, 800_000, None),
-    ("bought", 60, 1, Some(bought::plan)),
+    ("bought", 400, 1, Some(bought::plan)),
     ("com", 150, 1, Some(com::plan)),
     ("recordings", 8, 1, Some(recordings::plan)),
     ("motion", 1, 1, Some(motion::plan)),
