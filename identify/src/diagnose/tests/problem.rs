@@ -6,7 +6,8 @@ use crate::observations::motion::Motion;
 use sesc_reference::{Track, World};
 
 use super::{Bench, NOISE, gauss, term, values};
-use crate::diagnose::hypothesis::{Term, effect_terms};
+use crate::diagnose::dictionary::Dictionary;
+use crate::diagnose::hypothesis::{Term, effect_terms, sorted};
 use crate::diagnose::problem::{ALL, Problem};
 use crate::diagnose::search::Search;
 
@@ -234,5 +235,44 @@ fn penalties_grow_with_unknowns_and_targets() {
             let ankle = penalty(&problem, "joint_offset", ankle);
             assert!(ankle + 4.0 < penalty(&problem, "joint_offset", elbow));
         }
+    }
+}
+
+#[test]
+fn what_an_effect_gains_is_what_its_fit_comes_to_with_masses_known_and_free() {
+    let bench = Bench::op2();
+    let (q, knee, dof) = (
+        bench.postures(60, 3),
+        bench.joint("r_knee"),
+        bench.model.dof(),
+    );
+    let mut bent = q.clone();
+    bent.iter_mut()
+        .skip(knee)
+        .step_by(dof)
+        .for_each(|q| *q += 0.005);
+    let mut data = bench.log(&bench.world(), &bent, 4);
+    data.q = q;
+    let problem = bench.problem(data, "tight");
+    let dictionary = Dictionary::new(&problem, None);
+    for parent in [vec![], vec![Term::Masses]] {
+        let before = problem.fit(&parent, None, ALL);
+        let gains = dictionary.gains(&before, &problem);
+        let mut asked = 0;
+        for (candidate, gain) in dictionary.candidates.iter().zip(gains) {
+            if candidate.term.name() != "joint_offset" {
+                continue;
+            }
+            let terms = [&parent[..], std::slice::from_ref(&candidate.term)].concat();
+            let terms = sorted(&problem.first.context, &terms);
+            let fell = before.objective - problem.fit(&terms, None, ALL).objective;
+            let label = candidate.term.label(&problem.first.context);
+            assert!(
+                (gain - fell).abs() < 0.1 * fell + 0.5,
+                "{label}: {gain} {fell}"
+            );
+            asked += usize::from(fell > 10.0);
+        }
+        assert!(asked > 0, "some offset helps beside {parent:?}");
     }
 }
