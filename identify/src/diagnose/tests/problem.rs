@@ -250,7 +250,7 @@ fn what_an_effect_gains_is_what_its_fit_comes_to_with_masses_known_and_free() {
     bent.iter_mut()
         .skip(knee)
         .step_by(dof)
-        .for_each(|q| *q += 0.005);
+        .for_each(|q| *q += 0.02);
     let mut data = bench.log(&bench.world(), &bent, 4);
     data.q = q;
     let problem = bench.problem(data, "tight");
@@ -265,13 +265,19 @@ fn what_an_effect_gains_is_what_its_fit_comes_to_with_masses_known_and_free() {
             }
             let terms = [&parent[..], std::slice::from_ref(&candidate.term)].concat();
             let terms = sorted(&problem.first.context, &terms);
-            let fell = before.objective - problem.fit(&terms, None, ALL).objective;
+            let fit = problem.fit(&terms, None, ALL);
+            let offset = fit.unknowns_of(&problem.first.context, &candidate.term);
+            if offset.is_none_or(|offset| offset[0].abs() > 0.04) {
+                // Readings are linear in small offsets alone.
+                continue;
+            }
+            let fell = before.objective - fit.objective;
             let label = candidate.term.label(&problem.first.context);
             assert!(
-                (gain - fell).abs() < 0.1 * fell + 0.5,
+                (gain - fell).abs() < 0.15 * fell + 1.0,
                 "{label}: {gain} {fell}"
             );
-            asked += usize::from(fell > 10.0);
+            asked += usize::from(fell > 5.0);
         }
         assert!(asked > 0, "some offset helps beside {parent:?}");
     }
