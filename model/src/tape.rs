@@ -97,8 +97,8 @@ impl Tape {
         }
     }
 
-    /// Make `program` ready for many postures at once, in half the time and memory; one posture
-    /// is a block that is not full, with the same bits.
+    /// Make `program` ready for many postures at once, without the steps for one alone: that is a
+    /// block that is not full, with the same bits.
     pub fn of_many(program: &Program) -> Tape {
         Tape {
             blocks: Plan::new(program),
