@@ -21,7 +21,9 @@ use sesc_model::{Function, Model};
 use crate::Error;
 use crate::evaluate::{EffectPredictor, Evaluator, FASTEST, MotionPredictor};
 use crate::feet::{Closure, Feet, OtherFoot};
-use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings, Stays, joints};
+use crate::logs::{
+    Angles, Block, LogSource, Options, PostureReader, Readings, Sidecar, Stays, joints,
+};
 use crate::observations::motion::{Motion, Wanted};
 use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
@@ -111,6 +113,7 @@ pub struct Predictor {
     stance: Stance,
     log: String,
     reader: Moving,
+    sidecar: Sidecar,
     evaluators: HashMap<String, Evaluators>,
 }
 
@@ -182,6 +185,7 @@ impl Predictor {
             let first = first.filter(|link| !link.is_empty());
             stance.support = first.map(|link| link.to_string());
         }
+        let sidecar = reader.sidecar.clone();
         let reader = match motion {
             MotionModel::Auto => Moving::planned(reader, dofs.len(), HEAD, Wanted::Alone)?,
             MotionModel::Off => Moving::new(reader, dofs.len(), None, Wanted::Alone),
@@ -190,6 +194,7 @@ impl Predictor {
             stance,
             log: log.name().to_string(),
             reader,
+            sidecar,
             evaluators: HashMap::new(),
         };
         predictor.warn(watch);
@@ -285,7 +290,7 @@ impl Predictor {
                 notes.for_each(|note| watch.note(&note));
             }
             // Where the other sole cannot be told, nothing is said of it.
-            let other = Feet::default().of(&self.reader.sidecar, &model);
+            let other = Feet::default().of(&self.sidecar, &model);
             let evaluators = Evaluators {
                 com: Evaluator::new(&model, Function::Com),
                 effects: EffectPredictor::new(&model),

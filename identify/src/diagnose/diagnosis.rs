@@ -19,7 +19,7 @@ use super::words::{self, capital};
 use crate::Error;
 use crate::observations::noise::NoiseSource;
 use crate::observations::revisits::Again;
-use crate::observations::samples::Samples;
+use crate::observations::sample_count::SampleCount;
 use crate::threads::each_long;
 use crate::watch::Watch;
 
@@ -127,7 +127,7 @@ pub fn find<'m>(
         verdict,
         health: about.health.clone(),
         warnings: Vec::new(),
-        samples: Samples::default(),
+        samples: SampleCount::default(),
         motion: problem.first.data.motion_use.clone(),
         visits: problem.first.data.visits,
         closure,

@@ -15,7 +15,7 @@ use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
 use crate::observations::revisits::Again;
-use crate::observations::samples::Samples;
+use crate::observations::sample_count::SampleCount;
 
 /// What a diagnosis comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -358,7 +358,7 @@ pub struct Diagnosis {
     /// Warnings about the logs as sentences.
     pub warnings: Vec<String>,
     /// Independent samples in the log.
-    pub samples: Samples,
+    pub samples: SampleCount,
     /// How motion of the joints counted.
     pub motion: MotionUse,
     /// Scatter between visits of a posture; none if no posture was visited again.

@@ -29,6 +29,7 @@ pub(crate) mod names;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod reader;
+mod samples;
 mod settings;
 mod source;
 mod stillness;
@@ -52,6 +53,7 @@ pub use input::LogSource;
 pub use input::{Screen, Screening};
 pub(crate) use reader::joints;
 pub use reader::{PostureReader, Summary, column_names};
+pub(crate) use samples::{ROOM, Rows, Samples};
 #[doc(hidden)]
 pub use settings::KEYS as SIDECAR_KEYS;
 pub use settings::{Angles, Options, Readings, Sidecar, Stays, StillnessLimits};

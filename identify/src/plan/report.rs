@@ -38,9 +38,11 @@ use super::limits::Limits;
 use crate::Error;
 use crate::NextStep;
 use crate::feet::{Offset, Places};
-use crate::logs::{LogSource, Options, PostureWriter, Readings, Row, Sidecar, Table};
+use crate::logs::{
+    LogSource, Options, PostureWriter, ROOM, Readings, Row, Samples, Sidecar, Table,
+};
 use crate::observations::noise::NoiseSource;
-use crate::observations::postures::{Postures, Taking, range};
+use crate::observations::postures::{Postures, range};
 use crate::observations::revisits::{COUNT, spread};
 use crate::watch::Watch;
 
@@ -381,19 +383,16 @@ impl Known {
         };
         let (robot, model) = (&request.robot, &request.model);
         let links = robot.description.link_names();
-        let taking = Taking {
-            options: Options {
-                readings: Readings::Required,
-                links: links.map(str::to_string).collect(),
-                support: Some(model.support().to_string()),
-                soles: Some(Places::of(robot, Snapping::default())),
-                both_feet: request.feet.said(),
-                ..Options::default()
-            },
-            noise: None,
-            floor: 0.0,
+        let options = Options {
+            readings: Readings::Required,
+            links: links.map(str::to_string).collect(),
+            support: Some(model.support().to_string()),
+            soles: Some(Places::of(robot, Snapping::default())),
+            both_feet: request.feet.said(),
+            ..Options::default()
         };
-        let data = Postures::read(log, model, &taking, watch)?;
+        let samples = Samples::read(log, &robot.description, &options, ROOM, watch)?;
+        let data = Postures::read(&samples, model, (None, 0.0), watch)?;
         let rows = data.summary.as_ref().map_or(1.0, |found| found.rows as f64);
         let per_posture = (rows / data.postures.max(1) as f64).max(1.0);
         let known = data.noise_source != NoiseSource::Residuals && data.noise > 0.0;
