@@ -25,7 +25,6 @@ mod noise;
 mod nuisance;
 mod outliers;
 mod problem;
-mod recording;
 pub mod remedy;
 mod report;
 mod request;

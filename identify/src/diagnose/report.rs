@@ -11,7 +11,7 @@ use super::findings::Diagnosis;
 use super::next_postures::{Next, OnFoot};
 use super::view::DiagnosisView;
 use crate::Error;
-use crate::logs::{PostureWriter, Recording, Row, Sidecar, Written};
+use crate::logs::{PostureWriter, Row, Sidecar, Written};
 
 /// Everything that was found.
 #[derive(Debug, Clone)]
@@ -31,9 +31,6 @@ pub struct Report {
     /// Where it was wanted.
     #[doc(hidden)]
     pub view: Option<DiagnosisView>,
-    /// Where it was wanted.
-    #[doc(hidden)]
-    pub recording: Option<Recording>,
     /// Postures of the experiment that would tell most, if one would tell explanations apart.
     pub next: Option<NextLog>,
     /// What is to be known of the robot.

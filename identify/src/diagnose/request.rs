@@ -3,7 +3,7 @@
 //! ```text
 //! log ─▶ postures ─▶ search ─▶ class, verdict, held-out errors ─▶ report
 //! further logs ──────────────┘                                    ├▶ model file, URDF
-//!                                                                 └▶ next postures, view, recording
+//!                                                                 └▶ next postures, view
 //! ```
 
 use super::criteria::FLOOR_M;
@@ -20,7 +20,6 @@ use super::findings::{About, Explained, NextPostures, Verdict};
 use super::model_file::model_file;
 use super::next_postures;
 use super::problem::{Block, Problem};
-use super::recording;
 use super::remedy::{self, Servo};
 use super::report::{Report, next_log};
 use super::view::DiagnosisView;
@@ -87,9 +86,6 @@ pub struct Request {
     /// Whether the rows of figures are wanted.
     #[doc(hidden)]
     pub view: bool,
-    /// Whether the postures are wanted as a recording.
-    #[doc(hidden)]
-    pub recording: bool,
 }
 
 impl Request {
@@ -116,7 +112,6 @@ impl Request {
             corrected_urdf: false,
             total_mass: None,
             view: false,
-            recording: false,
         }
     }
 }
@@ -272,7 +267,6 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             let skeleton = Skeleton::of(&model, &robot.description, meshes);
             DiagnosisView::of(&problem, &found, skeleton)
         }),
-        recording: request.recording.then(|| recording::of(&problem, &found)),
         next: next_log(
             next,
             &model,
@@ -443,7 +437,6 @@ fn check_healthy(request: &Request, support: &str, watch: &mut dyn Watch) -> Res
             next_file: None,
             corrected_urdf: false,
             view: false,
-            recording: false,
             ..request.clone()
         };
         let found = diagnose(&own, watch)?.diagnosis;

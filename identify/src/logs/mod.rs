@@ -6,7 +6,7 @@
 //!
 //! settings, columns, names   what options, a sidecar and names of columns say of a log
 //! bounds, suspect            what a value can be; what a whole log looks like it got wrong
-//! writer                     logs, predictions and recordings
+//! writer                     logs and predictions
 //! ```
 //!
 //! [`PostureReader`] gives a log of any [`LogSource`] in blocks of columns, so that a
@@ -61,5 +61,3 @@ pub use settings::{Angles, Options, Readings, Sidecar, Stays, StillnessLimits};
 pub use source::panic_becomes_error;
 pub use table::{Table, Values};
 pub use writer::{PREDICTED, PostureWriter, PredictionWriter};
-#[doc(hidden)]
-pub use writer::{Recording, Track, TrackKind};
