@@ -5,7 +5,6 @@
 //! and their CoP go into the diagnosis; the CoP and the CoM of the model it gives
 //! are judged on postures that were not fitted.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -130,9 +129,7 @@ fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec
     let region = Region::square(BOX, 0.0)?;
     let geometry = Geometry::read(&robot.description, None);
     let scene = Scene::new(model, &geometry, &limits, &region, 0.005, None);
-    let (found, _) = sample(&scene, seed, count, 100 * count, |_| {
-        ControlFlow::Continue(())
-    });
+    let (found, _) = sample(&scene, seed, count, 100 * count, |_| Ok(()))?;
     match found.len() == count * model.dof() {
         true => Ok(found),
         false => Err(Error::Usage(
