@@ -5,22 +5,15 @@
 //! ```
 //!
 //! A model with effects predicts the reading of its sensor instead. Where a log with times is
-//! dense enough to know accelerations, its CoP is the ZMP. Of a log of both feet it is said where
-//! the soles do not close in the postures that are predicted.
-//!
-//! Where soles do not close, joints are not where encoders, and the effects of a model file, have them,
-//! and predictions are off by as much.
+//! dense enough to know accelerations, its CoP is the ZMP.
 
 use std::collections::HashMap;
 
 use serde::Serialize;
-use sesc_model::effects::{self, Catalog, EffectContext, Instance, PostureContext};
-use sesc_model::tape::{Tape, Values};
-use sesc_model::{Function, Model};
+use sesc_model::Model;
 
 use crate::Error;
-use crate::evaluate::{EffectPredictor, Evaluator, FASTEST, MotionPredictor};
-use crate::feet::{Closure, Feet, OtherFoot};
+use crate::evaluate::{MotionPredictor, ReadingPredictor};
 use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings, Stays, joints};
 use crate::observations::motion::{Motion, Wanted};
 use crate::observations::motion_use::MotionModel;
@@ -117,12 +110,9 @@ pub struct Predictor {
 /// A robot on one link.
 struct Evaluators {
     model: Model,
-    com: Evaluator,
-    effects: Option<EffectPredictor>,
+    readings: ReadingPredictor,
     /// Made when joints move; the second where gravity is tilted, too.
     motion: Option<(MotionPredictor, Zmp)>,
-    /// The soles of a log of both feet.
-    soles: Option<Soles>,
 }
 
 impl Predictor {
@@ -204,7 +194,6 @@ impl Predictor {
         let (block, motion) = self.reader.rows(BLOCK)?;
         self.warn(watch);
         if block.is_empty() {
-            self.warn_of_soles(watch);
             return Ok(None);
         }
         let (done, total) = self.reader.progress();
@@ -245,28 +234,13 @@ impl Predictor {
             let on_link = self.evaluator(logged, watch)?;
             check_joints(&on_link.model, dof)?;
             let q = &block.q[start * dof..(start + n) * dof];
-            if let Some(soles) = &mut on_link.soles {
-                soles.see(q, dof);
-            }
-            let gravity = block.gravity.as_ref().map(|all| &all[start..start + n]);
-            let shifts = match motion {
-                Some(motion) => on_link.shifts(q, motion, start, gravity),
-                None => vec![[0.0; 2]; n],
-            };
-            let com = if let Some(effects) = &on_link.effects {
-                let (com, cop) = effects.moving(q, n, gravity, &shifts);
-                found.cop_m.extend(cop.as_chunks().0);
-                com
-            } else {
-                let com = on_link.com.run(q, n);
-                for (k, (com, by)) in com.as_chunks().0.iter().zip(&shifts).enumerate() {
-                    let down = gravity.map_or([0.0, 0.0, -1.0], |all| all[k]);
-                    let [x, y] = projected(*com, down);
-                    found.cop_m.push([x + by[0], y + by[1]]);
-                }
-                com
-            };
+            let gravity = block.gravity.as_ref();
+            let gravity = gravity.map_or(&[][..], |all| &all[start..start + n]);
+            let shifts = motion.map(|motion| on_link.shifts(q, motion, start, gravity));
+            let shifts = shifts.unwrap_or_default();
+            let (com, cop) = on_link.readings.run(q, n, gravity, &shifts);
             found.com_m.extend(com.as_chunks().0);
+            found.cop_m.extend(cop.as_chunks().0);
             start += n;
         }
         Ok(found)
@@ -284,28 +258,14 @@ impl Predictor {
                 let notes = model.tree.notes.iter().cloned().chain(model.cautions());
                 notes.for_each(|note| watch.note(&note));
             }
-            // Where the other sole cannot be told, nothing is said of it.
-            let other = Feet::default().of(&self.reader.sidecar, &model);
             let evaluators = Evaluators {
-                com: Evaluator::new(&model, Function::Com),
-                effects: EffectPredictor::new(&model),
+                readings: ReadingPredictor::new(&model),
                 motion: None,
-                soles: other.unwrap_or_default().map(Soles::new),
                 model,
             };
             self.evaluators.insert(support.to_string(), evaluators);
         }
         Ok(self.evaluators.get_mut(support).expect("inserted above"))
-    }
-
-    /// Say once where soles do not close in the rows that were predicted.
-    fn warn_of_soles(&mut self, watch: &mut dyn Watch) {
-        for on_link in self.evaluators.values_mut() {
-            let soles = on_link.soles.take();
-            if let Some(open) = soles.and_then(|soles| soles.open(&on_link.model)) {
-                watch.warning(&open.into());
-            }
-        }
     }
 
     /// What the reader noticed and has not yet been told.
@@ -322,7 +282,7 @@ impl Evaluators {
         q: &[f64],
         motion: &Motion,
         start: usize,
-        gravity: Option<&[[f64; 3]]>,
+        gravity: &[[f64; 3]],
     ) -> Vec<[f64; 2]> {
         let model = &self.model;
         let make = || (MotionPredictor::new(model), Zmp::new(model));
@@ -332,8 +292,7 @@ impl Evaluators {
         let motion = (&motion.rates[own.clone()], &motion.gains[own]);
         let n = q.len() / dof;
         let mut shifts = predictor.shifts(q, n, motion);
-        let tilts = gravity.into_iter().flatten().map(|g| rows::tilt(*g));
-        let tilts: Vec<[f64; 2]> = tilts.collect();
+        let tilts: Vec<[f64; 2]> = gravity.iter().map(|g| rows::tilt(*g)).collect();
         if tilts.iter().flatten().any(|t| *t != 0.0) {
             let of = |tilts: &[[f64; 2]]| zmp.shifts(&model.params(), q, motion, tilts);
             let (tilted, level) = (of(&tilts), of(&vec![[0.0; 2]; n]));
@@ -343,89 +302,4 @@ impl Evaluators {
         }
         shifts
     }
-}
-
-/// The CoM along gravity on the sole plane z = 0.
-fn projected([x, y, z]: [f64; 3], gravity: [f64; 3]) -> [f64; 2] {
-    let down = z / gravity[2];
-    [x - gravity[0] * down, y - gravity[1] * down]
-}
-
-/// Postures that are looked at: from twice as many on, every other one of them is let go.
-const POSTURES: usize = 2000;
-
-/// Postures of a log on one support, evenly chosen.
-pub(super) struct Soles {
-    other: OtherFoot,
-    q: Vec<f64>,
-    /// Every so many rows one is kept.
-    every: usize,
-    rows: usize,
-}
-
-impl Soles {
-    pub fn new(other: OtherFoot) -> Soles {
-        Soles {
-            other,
-            q: Vec::new(),
-            every: 1,
-            rows: 0,
-        }
-    }
-
-    /// Take note of postures `q[posture * dof + joint]`.
-    pub fn see(&mut self, q: &[f64], dof: usize) {
-        for posture in q.chunks_exact(dof.max(1)) {
-            if self.rows.is_multiple_of(self.every) {
-                self.q.extend(posture);
-            }
-            self.rows += 1;
-            if self.q.len() >= 2 * POSTURES * dof {
-                let all = std::mem::take(&mut self.q);
-                let kept = all.chunks_exact(dof).step_by(2);
-                self.q = kept.flatten().copied().collect();
-                self.every *= 2;
-            }
-        }
-    }
-
-    /// What is said where they do not close, as `model` has its joints.
-    pub fn open(&self, model: &Model) -> Option<String> {
-        let q = bent(model, &self.q);
-        let closure = Closure::of(model, self.other.clone(), &q, None);
-        let source = if model.effects.is_empty() {
-            "CAD"
-        } else {
-            "the model file"
-        };
-        let found = closure.found_by(source);
-        (!found.closes).then(|| {
-            format!(
-                "{} Predictions take the joints to be there; a diagnosis of the log can tell what \
-                 is off",
-                found.sentence
-            )
-        })
-    }
-}
-
-/// Joint positions as the effects of a model bend them.
-fn bent(model: &Model, q: &[f64]) -> Vec<f64> {
-    if model.effects.is_empty() {
-        return q.to_vec();
-    }
-    let context = EffectContext::new(model, &[], false, Catalog::standard());
-    let instances: Vec<Instance> = model.effects.iter().map(|(i, _)| i.clone()).collect();
-    let values: Vec<f64> = model.effects.iter().flat_map(|(_, x)| x.clone()).collect();
-    let tape = Tape::new(&effects::joints(&context, &instances, &model.params()));
-    let n = q.len() / model.dof().max(1);
-    let level = vec![0.0; n * PostureContext::of(model).len()];
-    let arguments = [
-        Values::PerPosture(q),
-        Values::Shared(&values),
-        Values::PerPosture(&level),
-    ];
-    let mut out = vec![0.0; q.len()];
-    tape.run(&arguments, n, &mut out, FASTEST);
-    out
 }

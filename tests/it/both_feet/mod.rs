@@ -14,10 +14,8 @@ use sesc_identify::diagnose::{self, Verdict};
 use sesc_identify::fit::{self, Identification};
 use sesc_identify::health::Kind;
 use sesc_identify::logs::{LogSource, Sidecar, Table};
-use sesc_identify::predict;
-use sesc_identify::robot::{Robot, Stance};
+use sesc_identify::robot::Robot;
 use sesc_identify::{Message, Progress, Watch};
-use sesc_model::ModelFile;
 use sesc_reference::World;
 use sesc_test_support::feet::{Noise, TwoFootLog};
 use sesc_test_support::stage::{Platform, Stage};
@@ -325,42 +323,6 @@ fn soles_that_are_flat_though_nobody_said_so_are_a_finding() {
         table = table.numbers(name, column);
     }
     assert_eq!(kinds(LogSource::from(table), None), []);
-}
-
-/// A prediction takes encoders at their word: it says where the soles do not close then, and not
-/// where a model file has what they are off by.
-#[test]
-fn a_prediction_warns_of_soles_that_do_not_close() {
-    let stage = Stage::new(Platform::Op2);
-    let world = stage.world().joint_offset("l_knee", 0.026).unwrap();
-    let warned = |world: &World, file: Option<ModelFile>| {
-        let robot = Robot::read(&stage.urdf).unwrap();
-        let mut stance = Stance::new(robot).on("r_sole");
-        if let Some(file) = file {
-            stance = stance.with_parameters(file).unwrap();
-        }
-        let request = predict::Request::new(stance, log(&stage, world, FINE, 11));
-        let mut heard = Heard::default();
-        predict::predict(&request, &mut heard).unwrap();
-        heard.0
-    };
-    let open = warned(&world, None);
-    assert!(
-        open.iter()
-            .any(|said| said.contains("By CAD the sole of l_sole") && said.contains("l_knee")),
-        "{open:?}"
-    );
-    assert_eq!(warned(&stage.world(), None), [""; 0]);
-    let request = request(&stage, &world, FINE, 11);
-    let found = diagnose::diagnose(&request, &mut ()).unwrap();
-    assert_eq!(warned(&world, Some(found.model_file.clone())), [""; 0]);
-    // The other way round the file is what opens them.
-    let open = warned(&stage.world(), Some(found.model_file));
-    assert!(
-        open.iter()
-            .any(|said| said.contains("By the model file the sole of l_sole")),
-        "{open:?}"
-    );
 }
 
 /// The CoP of the right foot alone, which stays under it while the CoM moves away.
