@@ -38,7 +38,7 @@ use super::limits::Limits;
 use crate::Error;
 use crate::NextStep;
 use crate::feet::{Offset, Places};
-use crate::logs::{LogSource, Options, PostureWriter, Readings, Row, Sidecar, Table};
+use crate::logs::{Options, PostureWriter, Readings, Row, Sidecar};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, Taking, range};
 use crate::observations::revisits::{COUNT, spread};
@@ -172,18 +172,6 @@ impl Plan {
         format!("{clear}, {free} of these free of self-collision")
     }
 
-    /// The postures as a log in memory, those that come back included.
-    pub fn log(&self) -> LogSource {
-        let (poses, rows): (Vec<i64>, Vec<&[f64]>) = self.rows().unzip();
-        let table = Table::new("plan").integers("pose", poses);
-        let joints = self.joints.iter().enumerate();
-        let table = joints.fold(table, |table, (k, joint)| {
-            let values: Vec<f64> = rows.iter().map(|q| q[k]).collect();
-            table.numbers(&joint.joint, values)
-        });
-        LogSource::from(table).with_sidecar(self.sidecar())
-    }
-
     /// Write the postures as a log, those that come back included; gives back where its
     /// sidecar is.
     ///
@@ -210,7 +198,8 @@ impl Plan {
         numbers.map(move |pose| (pose, postures[pose as usize - 1]))
     }
 
-    fn sidecar(&self) -> Sidecar {
+    /// The sidecar of its file.
+    pub fn sidecar(&self) -> Sidecar {
         Sidecar {
             robot: Some(self.robot.clone()),
             support: Some(self.support.clone()),
