@@ -291,7 +291,11 @@ fn expand(path: &Path) -> Result<Option<String>, String> {
     }
     // `./-x` is no option, and an absolute path stays as it is.
     let path = Path::new(".").join(path);
-    let output = match Command::new("xacro").arg(path).stdin(Stdio::null()).output() {
+    let output = match Command::new("xacro")
+        .arg(path)
+        .stdin(Stdio::null())
+        .output()
+    {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         output => output.map_err(|error| format!("xacro does not run: {error}"))?,
     };

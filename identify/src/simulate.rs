@@ -143,7 +143,9 @@ impl Request {
                 (None, Some(given)) => q = given[start * dof..(start + n) * dof].to_vec(),
                 (None, None) => q = simulator.batch(n),
             }
-            let shifts = zmp.as_ref().map(|zmp| zmp.shifts(&q, n, (&rates, &accelerations)));
+            let shifts = zmp
+                .as_ref()
+                .map(|zmp| zmp.shifts(&q, n, (&rates, &accelerations)));
             let (_, readings) = predictor.run(&q, n, &[], &shifts.unwrap_or_default());
             if readings.iter().any(|x| !x.is_finite()) {
                 return Err(Error::request(BEYOND));

@@ -26,7 +26,7 @@ use super::Request;
 use super::limits::move_by;
 use super::scene::Scene;
 use crate::evaluate::Evaluator;
-use crate::poses::{self, Pose};
+use crate::poses;
 use crate::{Error, Message, Setting, message};
 
 /// Close enough to the target, m.
@@ -130,8 +130,7 @@ impl Sampler<'_> {
             return false;
         }
         self.counts.balanced += 1;
-        let mut bodies: Vec<Pose> = Vec::new();
-        poses::bodies(self.scene.model, &drawn.q, &mut bodies);
+        let bodies = poses::bodies(&self.scene.model.chain.bodies, &drawn.q);
         match self.scene.clearance.lowest(&bodies) {
             Some((height, link)) if height < self.scene.clearance.height => {
                 self.counts.low[link] += 1;
@@ -352,7 +351,11 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
 /// How far the best draw is out, and half the side of a square that lets a tenth of the draws
 /// balance, whole cm in m; none where some balance, or where both feet carry.
 fn wide_enough(request: &Request, counts: &Counts) -> Option<(f64, f64)> {
-    let finite = counts.misses.iter().copied().filter(|miss| miss.is_finite());
+    let finite = counts
+        .misses
+        .iter()
+        .copied()
+        .filter(|miss| miss.is_finite());
     let mut misses: Vec<f64> = finite.collect();
     misses.sort_by(f64::total_cmp);
     let nearest = misses.first().filter(|_| counts.balanced == 0)?;

@@ -33,14 +33,10 @@ pub struct Collisions {
 impl Collisions {
     /// All pairs of bodies but neighbours and those that touch at `rest`.
     pub fn new(model: &Model, geometry: &Geometry, rest: &[f64]) -> Collisions {
-        let links = model.tree.links.iter().enumerate();
-        let links: BTreeMap<&str, usize> = links.map(|(k, link)| (link.name.as_str(), k)).collect();
         let mut parts: BTreeMap<usize, Vec<(Placement, SharedShape)>> = BTreeMap::new();
-        for shape in &geometry.shapes {
-            let link = links.get(shape.link.as_str());
-            if let Some((body, place)) = link.and_then(|link| poses::of_link(model, *link)) {
-                let part = part(&place.then(&shape.pose), shape.solid);
-                parts.entry(body).or_default().push(part);
+        for (_, link, body, place) in poses::links(model) {
+            for (pose, solid) in geometry.on(&link.name, place) {
+                parts.entry(body).or_default().push(part(&pose, solid));
             }
         }
         let parents = model.chain.bodies.iter().enumerate();
@@ -56,8 +52,7 @@ impl Collisions {
             beside,
             exempt: Vec::new(),
         };
-        let mut bodies = Vec::new();
-        poses::bodies(model, rest, &mut bodies);
+        let bodies = poses::bodies(&model.chain.bodies, rest);
         let name = |body: usize| model.chain.bodies[body].name.clone();
         let mut touching = BTreeSet::new();
         while let Some(pair) = all.first(&bodies) {
@@ -190,8 +185,7 @@ mod tests {
         );
         assert!(collisions.exempt.is_empty());
         let met = |q: [f64; 3]| {
-            let mut bodies = Vec::new();
-            poses::bodies(&model, &q, &mut bodies);
+            let bodies = poses::bodies(&model.chain.bodies, &q);
             collisions.first(&bodies)
         };
         assert_eq!(met([0.0; 3]), None);
@@ -230,8 +224,7 @@ mod tests {
         let mut met = 0;
         for k in 0..200 {
             let q = [0.37, 0.91, 1.73].map(|step| 3.0 * (step * f64::from(k)).sin());
-            let mut bodies = Vec::new();
-            poses::bodies(&model, &q, &mut bodies);
+            let bodies = poses::bodies(&model.chain.bodies, &q);
             let [one, other] = [&few, &many].map(|all| all.first(&bodies).is_some());
             assert_eq!(one, other, "{q:?}");
             met += usize::from(one);
@@ -245,8 +238,7 @@ mod tests {
         let third = 2.0 * std::f64::consts::PI / 3.0;
         let collisions = Collisions::new(&model, &geometry, &[third, third, 0.0]);
         assert!(!collisions.exempt.is_empty());
-        let mut bodies = Vec::new();
-        poses::bodies(&model, &[third, third, 0.0], &mut bodies);
+        let bodies = poses::bodies(&model.chain.bodies, &[third, third, 0.0]);
         assert_eq!(collisions.first(&bodies), None);
     }
 }

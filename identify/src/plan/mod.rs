@@ -140,7 +140,12 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let choice = rows.choose(request.poses, || {
         looked += 1;
         let round = request.poses as u64;
-        tell(watch, "choosing postures", looked, looked.div_ceil(round) * round)
+        tell(
+            watch,
+            "choosing postures",
+            looked,
+            looked.div_ceil(round) * round,
+        )
     })?;
     let order = design::short_order(&some(&q, dof, &choice.chosen), dof);
     let chosen: Vec<usize> = order.into_iter().map(|k| choice.chosen[k]).collect();

@@ -120,16 +120,11 @@ impl Clearance {
             by_shapes: 0,
             by_points: 0,
         };
-        for (link, about) in model.tree.links.iter().enumerate() {
-            let Some((body, place)) = poses::of_link(model, link) else {
-                continue;
-            };
+        for (link, about, body, place) in poses::links(model) {
             if body == 0 || Some(body) == standing {
                 continue;
             }
-            let shapes = geometry.shapes.iter().filter(|s| s.link == about.name);
-            let of_shapes = shapes.map(|s| (place.then(&s.pose), s.solid));
-            let mut solids: Vec<(Pose, Solid)> = of_shapes.collect();
+            let mut solids: Vec<(Pose, Solid)> = geometry.on(&about.name, place).collect();
             all.by_shapes += usize::from(!solids.is_empty());
             all.by_points += usize::from(solids.is_empty());
             if solids.is_empty() {
@@ -243,8 +238,7 @@ impl<'m> BothFeet<'m> {
 
     /// The other sole's frame.
     fn sole(&self, q: &[f64]) -> Pose {
-        let mut bodies = Vec::new();
-        poses::bodies(self.model, q, &mut bodies);
+        let bodies = poses::bodies(&self.model.chain.bodies, q);
         bodies[self.body].then(&self.place)
     }
 
@@ -341,15 +335,14 @@ mod tests {
 
     #[test]
     fn points_and_shapes_are_measured_from_the_sole() {
-        let mut bodies = Vec::new();
         let (plain, geometry) = model("");
         let clearance = Clearance::new(&plain, &geometry, 0.005, None);
         assert_eq!((clearance.by_shapes, clearance.by_points), (0, 2));
-        poses::bodies(&plain, &[0.0, 0.0], &mut bodies);
+        let bodies = poses::bodies(&plain.chain.bodies, &[0.0, 0.0]);
         // The ankle lies on the ground and is the foot's; the CoM of the leg is next.
         let (z, link) = clearance.lowest(&bodies).unwrap();
         assert!((z - 0.3).abs() < 1e-15 && plain.tree.links[link].name == "leg");
-        poses::bodies(&plain, &[2.0, 0.0], &mut bodies);
+        let bodies = poses::bodies(&plain.chain.bodies, &[2.0, 0.0]);
         let (z, _) = clearance.lowest(&bodies).unwrap();
         assert!((z - 2f64.cos()).abs() < 1e-15);
 
@@ -358,10 +351,10 @@ mod tests {
         let (solid, geometry) = model(cylinder);
         let clearance = Clearance::new(&solid, &geometry, 0.005, None);
         assert_eq!((clearance.by_shapes, clearance.by_points), (1, 1));
-        poses::bodies(&solid, &[0.0, 0.0], &mut bodies);
+        let bodies = poses::bodies(&solid.chain.bodies, &[0.0, 0.0]);
         assert!((clearance.lowest(&bodies).unwrap().0 - 0.1).abs() < 1e-15);
         let q = 1.0f64;
-        poses::bodies(&solid, &[q, 0.0], &mut bodies);
+        let bodies = poses::bodies(&solid.chain.bodies, &[q, 0.0]);
         let expected = 0.5 * q.cos() - 0.4 * q.cos() - 0.1 * q.sin();
         assert!((clearance.lowest(&bodies).unwrap().0 - expected).abs() < 1e-15);
     }

@@ -68,7 +68,7 @@ pub enum StageKind {
 }
 
 /// Rows of the figures.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct DiagnosisView {
     /// The postures, as many as a page can show.
     pub postures: Vec<Posture>,
