@@ -44,9 +44,10 @@ pub struct Evaluator {
     operations: usize,
     /// Which joints are prismatic: `_sc` functions take their positions as they are.
     prismatic: Vec<bool>,
-    /// Joint velocities, rad/s or m/s, and accelerations, rad/s² or m/s², of a function that
-    /// takes them.
-    moving: [Option<Vec<f64>>; 2],
+    /// Whether the function takes velocities of joints, and accelerations.
+    moving: [bool; 2],
+    /// Those of joints that stand.
+    still: Vec<f64>,
     params: Option<Vec<f64>>,
     kernels: Kernels,
 }
@@ -87,7 +88,6 @@ impl Evaluator {
         params: Vec<f64>,
     ) -> Evaluator {
         let takes = |argument| function.arguments(given).contains(&argument);
-        let still = |argument| takes(argument).then(|| vec![0.0; model.dof()]);
         let counts = program.counts();
         let arithmetic = counts.mul + counts.add + counts.neg + counts.angle;
         Evaluator {
@@ -96,21 +96,11 @@ impl Evaluator {
             entries: program.inputs.first().map_or(0, |array| array.len),
             operations: arithmetic + LONG_OPERATION * (counts.sin_cos + counts.other),
             prismatic: model.tree.dofs.iter().map(|dof| dof.prismatic).collect(),
-            moving: [Argument::Velocities, Argument::Accelerations].map(still),
+            moving: [Argument::Velocities, Argument::Accelerations].map(takes),
+            still: vec![0.0; model.dof()],
             params: function.takes_parameters().then_some(params),
             kernels: PORTABLE,
         }
-    }
-
-    /// With all joints moving at `velocities` (rad/s or m/s) and `accelerations` (rad/s² or
-    /// m/s²), where the function takes them.
-    pub fn moving(mut self, velocities: &[f64], accelerations: &[f64]) -> Evaluator {
-        for (own, given) in self.moving.iter_mut().zip([velocities, accelerations]) {
-            if let Some(own) = own {
-                own.copy_from_slice(given);
-            }
-        }
-        self
     }
 
     /// Use the [`FASTEST`] kernels, where results are not written to files that are compared.
@@ -142,8 +132,13 @@ impl Evaluator {
     /// Evaluate `postures` postures, `q[posture * dof + joint]`, row by row. What takes no
     /// posture, [`Function::CorrectCop`], takes its readings, `q[reading * 2 + axis]`.
     pub fn run(&self, q: &[f64], postures: usize) -> Vec<f64> {
+        self.run_moving(q, [Values::Shared(&self.still); 2], postures)
+    }
+
+    /// The same of joints that move, as [`run_moving_into`](Self::run_moving_into) takes it.
+    pub fn run_moving(&self, q: &[f64], motion: [Values; 2], postures: usize) -> Vec<f64> {
         let mut out = vec![0.0; postures * self.width()];
-        self.run_into(q, postures, &mut out);
+        self.run_moving_into(q, motion, postures, &mut out);
         out
     }
 
@@ -152,33 +147,21 @@ impl Evaluator {
     /// # Panics
     /// Where `q` or `out` is too short.
     pub fn run_into(&self, q: &[f64], postures: usize, out: &mut [f64]) {
-        let moving = self.moving.each_ref();
-        let moving = moving.map(|own| own.as_deref().map(Values::Shared));
-        self.run_as(q, moving, postures, out);
+        self.run_moving_into(q, [Values::Shared(&self.still); 2], postures, out);
     }
 
-    /// The same with velocities and accelerations of every posture, where the function takes
-    /// them: `velocities[posture * dof + joint]`, rad/s or m/s, and rad/s² or m/s².
+    /// The same with velocities and accelerations, where the function takes them: rad/s or m/s,
+    /// and rad/s² or m/s², of all postures or `[posture * dof + joint]`.
     ///
     /// # Panics
     /// Where an array is too short.
     pub fn run_moving_into(
         &self,
         q: &[f64],
-        velocities: &[f64],
-        accelerations: &[f64],
+        motion: [Values; 2],
         postures: usize,
         out: &mut [f64],
     ) {
-        let [own_velocities, own_accelerations] = &self.moving;
-        let moving = [
-            own_velocities.as_ref().map(|_| velocities),
-            own_accelerations.as_ref().map(|_| accelerations),
-        ];
-        self.run_as(q, moving.map(|x| x.map(Values::PerPosture)), postures, out);
-    }
-
-    fn run_as(&self, q: &[f64], moving: [Option<Values>; 2], postures: usize, out: &mut [f64]) {
         let q = &q[..postures * self.entries];
         let (sin, cos);
         let positions = match self.given {
@@ -191,6 +174,8 @@ impl Evaluator {
         // A call of one posture is shorter than to ask for memory a few times.
         let mut places = [Values::Shared(&[]); MOST_ARGUMENTS];
         let params = [self.params.as_deref().map(Values::Shared)];
+        let taken = motion.into_iter().zip(self.moving);
+        let moving = taken.map(|(values, takes)| takes.then_some(values));
         let given = positions.into_iter().chain(moving).chain(params).flatten();
         let mut count = 0;
         for (place, value) in places.iter_mut().zip(given) {
@@ -305,9 +290,8 @@ impl MotionPredictor {
         n: usize,
         (rates, accelerations): (&[f64], &[f64]),
     ) -> Vec<[f64; 2]> {
-        let mut zmp = vec![0.0; 2 * n];
-        self.zmp
-            .run_moving_into(q, rates, accelerations, n, &mut zmp);
+        let motion = [rates, accelerations].map(Values::PerPosture);
+        let zmp = self.zmp.run_moving(q, motion, n);
         let com = self.com.run(q, n);
         let pairs = zmp.chunks_exact(2).zip(com.chunks_exact(3));
         let of = |(zmp, com): (&[f64], &[f64])| {
@@ -391,11 +375,8 @@ mod tests {
             let evaluators = made().zip(made().map(Evaluator::fastest));
             for evaluator in evaluators.into_iter().flat_map(|(a, b)| [a, b]) {
                 // Velocities and accelerations for those that take them.
-                let run = |q: &[f64], n: usize| {
-                    let mut out = vec![0.0; n * evaluator.width()];
-                    evaluator.run_moving_into(q, q, q, n, &mut out);
-                    out
-                };
+                let run =
+                    |q: &[f64], n: usize| evaluator.run_moving(q, [Values::PerPosture(q); 2], n);
                 let batch = run(&q, all);
                 // Around the ends of short and of long blocks.
                 for n in [1, 7, 8, 9, 16, 17, 63, 64, 65, 128, 130] {

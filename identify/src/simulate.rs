@@ -23,7 +23,7 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use rand::{RngExt as _, SeedableRng as _};
@@ -164,18 +164,18 @@ impl Request {
         Ok(())
     }
 
-    /// Columns of its log.
-    ///
-    /// # Errors
-    /// A request that makes no sense.
-    pub fn columns(&self) -> Result<Written, Error> {
-        self.check()?;
-        Ok(Written {
+    fn columns(&self) -> Written {
+        Written {
             t: self.rate.is_some(),
             cop: true,
             cop_std: self.noise > 0.0,
             ..Written::default()
-        })
+        }
+    }
+
+    fn fill(&self, mut log: PostureWriter, watch: &mut dyn Watch) -> Result<(), Error> {
+        self.run(watch, |row| log.row(row))?;
+        log.finish(&self.sidecar()).map(drop)
     }
 
     fn sidecar(&self) -> Sidecar {
@@ -240,11 +240,9 @@ pub fn simulate(request: &Request, watch: &mut dyn Watch) -> Result<LogSource, E
     Ok(LogSource::from(table).with_sidecar(request.sidecar()))
 }
 
-/// Simulate a log of any length into a writer of its [columns](Request::columns); gives back
-/// where its sidecar is.
+/// Simulate a log of any length into the file at `path`; gives back where its sidecar is.
 ///
 /// ```
-/// use sesc_identify::logs::PostureWriter;
 /// use sesc_identify::robot::Robot;
 /// use sesc_identify::simulate::{Request, write};
 /// use sesc_identify::robot::Stance;
@@ -258,24 +256,37 @@ pub fn simulate(request: &Request, watch: &mut dyn Watch) -> Result<LogSource, E
 /// request.noise = 0.0005;
 /// # let folder = std::env::temp_dir().join(format!("sesc-doc-{}", std::process::id()));
 /// # std::fs::create_dir_all(&folder).unwrap();
-/// let path = folder.join("rod.csv");
-/// let log = PostureWriter::create(&path, &request.model.tree.dofs, request.columns()?)?;
-/// let sidecar = write(&request, log, &mut ())?;
-/// assert!(sidecar.unwrap().ends_with("rod.csv.toml"));
+/// let sidecar = write(&request, &folder.join("rod.csv"), &mut ())?;
+/// assert!(sidecar.ends_with("rod.csv.toml"));
 /// # std::fs::remove_dir_all(&folder).unwrap();
 /// # Ok::<(), sesc_identify::Error>(())
 /// ```
 ///
 /// # Errors
 /// A request that makes no sense, a file that cannot be written.
-pub fn write(
-    request: &Request,
-    mut log: PostureWriter,
-    watch: &mut dyn Watch,
-) -> Result<Option<PathBuf>, Error> {
+pub fn write(request: &Request, path: &Path, watch: &mut dyn Watch) -> Result<PathBuf, Error> {
     request.check()?;
-    request.run(watch, |row| log.row(row))?;
-    log.finish(&request.sidecar())
+    let dofs = &request.model.tree.dofs;
+    let log = PostureWriter::create(path, dofs, request.columns())?;
+    request.fill(log, watch)?;
+    Ok(Sidecar::path(path))
+}
+
+/// Simulate a log of any length as CSV on a stream, which `name` stands for in messages; what
+/// its sidecar would say is left to the caller.
+///
+/// # Errors
+/// A request that makes no sense, a stream that takes nothing.
+pub fn stream(
+    request: &Request,
+    name: &str,
+    to: impl std::io::Write + Send + 'static,
+    watch: &mut dyn Watch,
+) -> Result<(), Error> {
+    request.check()?;
+    let dofs = &request.model.tree.dofs;
+    let log = PostureWriter::stream(name, to, dofs, request.columns())?;
+    request.fill(log, watch)
 }
 
 /// Seeded postures and noise; the same numbers on every machine.

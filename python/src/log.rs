@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use sesc_identify::health;
-use sesc_identify::logs::{LogSource, PostureWriter, Sidecar, Table, Values};
+use sesc_identify::logs::{LogSource, Sidecar, Table, Values};
 use sesc_identify::simulate;
 
 use crate::arrow::Unusable;
@@ -272,13 +272,7 @@ impl Log {
             return Err(Failure::plain(Doing::Log, message).raise(py));
         };
         let written = watched(py, show, Stopped::Awaited, move |watch| {
-            let write = |watch: &mut _| {
-                let dofs = &request.model.tree.dofs;
-                let log = PostureWriter::create(&path, dofs, request.columns()?)?;
-                simulate::write(&request, log, watch)?;
-                Ok::<_, sesc_identify::Error>(Sidecar::path(&path))
-            };
-            write(watch).during(Doing::Log)
+            simulate::write(&request, &path, watch).during(Doing::Log)
         });
         Ok(written?.0)
     }

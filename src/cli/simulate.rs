@@ -11,7 +11,6 @@ use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, 
 use crate::Error;
 use crate::report::next_steps::Worded;
 use sesc_identify::NextStep;
-use sesc_identify::logs::PostureWriter;
 use sesc_identify::simulate::hide;
 use sesc_identify::simulate::{self, Request};
 
@@ -105,20 +104,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let bar = &mut Bar::new("simulating");
     let tree = &request.model.tree;
     let support = &tree.links[tree.support].name;
-    let columns = request.columns()?;
-    let log = if outputs::is_standard(&arguments.out) {
-        PostureWriter::stream(outputs::OUTPUT, outputs::output(), &tree.dofs, columns)?
-    } else {
-        PostureWriter::create(&arguments.out, &tree.dofs, columns)?
-    };
-    let sidecar = simulate::write(&request, log, bar)?;
-    bar.clear();
-    let Some(sidecar) = sidecar else {
+    if outputs::is_standard(&arguments.out) {
+        simulate::stream(&request, outputs::OUTPUT, outputs::output(), bar)?;
+        bar.clear();
         message(&format!(
             "note: the robot stands on `{support}`; give --support to what reads this"
         ));
         return Ok(Outcome::Ok);
-    };
+    }
+    let sidecar = simulate::write(&request, &arguments.out, bar)?;
+    bar.clear();
     let (log, sidecar) = (arguments.out.display(), sidecar.display());
     message(&format!("wrote {log} and {sidecar}"));
     let about = About {
