@@ -14,8 +14,6 @@
 //!
 //! Where too few are found, the message has the numbers and what would help.
 
-use std::borrow::Cow;
-
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -24,6 +22,7 @@ use sesc_model::Function;
 
 use super::Request;
 use super::limits::move_by;
+use super::region::Region;
 use super::scene::Scene;
 use crate::evaluate::Evaluator;
 use crate::poses;
@@ -73,7 +72,7 @@ pub fn sample(
 ) -> Result<(Vec<f64>, Counts), Error> {
     let model = scene.model;
     let mut sampler = Sampler {
-        com: Evaluator::new(model, Function::Cop),
+        cop: Evaluator::new(model, Function::Cop),
         jacobian: Evaluator::new(model, Function::ComJacobian),
         regressor: Evaluator::new(model, Function::RegressorCop),
         rng: ChaCha8Rng::seed_from_u64(seed),
@@ -111,7 +110,7 @@ pub fn sample(
 /// Draws candidates until there are enough.
 struct Sampler<'a> {
     scene: &'a Scene<'a>,
-    com: Evaluator,
+    cop: Evaluator,
     jacobian: Evaluator,
     regressor: Evaluator,
     rng: ChaCha8Rng,
@@ -168,34 +167,31 @@ impl Sampler<'_> {
     }
 
     fn draw(&mut self) -> Drawn {
-        let rest = self.scene.limits.rest();
         let rng = &mut self.rng;
+        let mut within = |(low, high): (f64, f64)| low + (high - low) * rng.random::<f64>();
         // At least a fifth of the limits from rest.
-        let spread = 1.0 - (1.0 - 0.2) * rng.random::<f64>();
-        let ranges = self.scene.limits.ranges.iter().zip(&rest);
+        let spread = within((1.0, 0.2));
+        let ranges = self
+            .scene
+            .limits
+            .ranges
+            .iter()
+            .zip(self.scene.limits.rest());
         let q = ranges
-            .map(|(&(lower, upper), rest)| {
-                let uniform = lower + (upper - lower) * rng.random::<f64>();
-                (rest + spread * (uniform - rest)).clamp(lower, upper)
-            })
+            .map(|(&range, rest)| (rest + spread * (within(range) - rest)).clamp(range.0, range.1))
             .collect();
         let region = self.scene.region;
         let bounds = region.bounds();
-        let mut target = region.centre();
-        for _ in 0..100 {
-            let at = bounds.map(|(low, high)| low + (high - low) * rng.random::<f64>());
-            if region.violation(at.into(), &Matrix2::zeros(), 0.0) <= 0.0 {
-                target = at.into();
-                break;
-            }
-        }
-        // From one sole to the other.
-        let both = self.scene.both_feet.as_ref();
-        let share = both.map_or(0.0, |_| self.rng.random::<f64>());
+        let mut points = (0..100).map(|_| Vector2::from(bounds.map(&mut within)));
+        let target = points.find(|at| region.violation(*at, &Matrix2::zeros(), 0.0) <= 0.0);
         Drawn {
             q,
-            target,
-            share,
+            target: target.unwrap_or_else(|| region.centre()),
+            // From one sole to the other.
+            share: match self.scene.both_feet {
+                Some(_) => within((0.0, 1.0)),
+                None => 0.0,
+            },
             on_floor: true,
             violation: f64::INFINITY,
             std: 0.0,
@@ -207,7 +203,7 @@ impl Sampler<'_> {
         let dof = self.scene.model.dof();
         let q = open.iter().flat_map(|&k| &draws[k].q);
         let q: Vec<f64> = q.copied().collect();
-        let cop = self.com.run(&q, open.len());
+        let cop = self.cop.run(&q, open.len());
         let jacobian = self.jacobian.run(&q, open.len());
         let ranges = &self.scene.limits.ranges;
         let mut still = Vec::with_capacity(open.len());
@@ -235,7 +231,7 @@ impl Sampler<'_> {
         let q = draws.iter().flat_map(|drawn| &drawn.q);
         let q: Vec<f64> = q.copied().collect();
         let n = draws.len();
-        let cop = self.com.run(&q, n);
+        let cop = self.cop.run(&q, n);
         let p = self.scene.uncertainty.nrows();
         // As columns, φᵀ of one posture after the other.
         let rows = DMatrix::from_vec(p, 2 * n, self.regressor.run(&q, n));
@@ -245,16 +241,14 @@ impl Sampler<'_> {
             let covariance = Matrix2::new(x.dot(&x), x.dot(&y), x.dot(&y), y.dot(&y));
             let cop = Vector2::new(cop[2 * k], cop[2 * k + 1]);
             let own = self.scene.region;
-            let region = match &self.scene.both_feet {
-                None => Some(Cow::Borrowed(own)),
-                Some(feet) if drawn.on_floor => feet.region(own, &drawn.q).map(Cow::Owned),
-                Some(_) => None,
+            let beyond = |region: &Region| region.violation(cop, &covariance, self.scene.sigmas);
+            let violation = match &self.scene.both_feet {
+                None => Some(beyond(own)),
+                Some(_) if !drawn.on_floor => None,
+                Some(feet) => feet.region(own, &drawn.q).as_ref().map(beyond),
             };
-            let violation = region.map_or(f64::INFINITY, |region| {
-                region.violation(cop, &covariance, self.scene.sigmas)
-            });
             // What is not a number does not balance.
-            let finite = Some(violation).filter(|x| *x <= f64::MAX);
+            let finite = violation.filter(|x| *x <= f64::MAX);
             drawn.violation = finite.unwrap_or(f64::INFINITY);
             drawn.std = (covariance.trace() / 2.0).sqrt();
         }

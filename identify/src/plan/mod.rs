@@ -330,29 +330,32 @@ impl Request {
     }
 
     /// Whether the numbers make sense.
-    pub(super) fn check(&self) -> Result<(), Error> {
-        let wrong = |setting: Setting, value: f64, remedy: &str| {
-            Error::request(message![setting, format!(" {value}: {remedy}")])
+    fn check(&self) -> Result<(), Error> {
+        let refused = |setting: Setting, remedy: String| {
+            let why = message![setting, remedy];
+            Err(Error::request(why))
         };
-        if !(self.noise.is_finite() && self.noise > 0.0) {
-            let remedy = "give a number above zero";
-            return Err(wrong(Setting::Noise, self.noise, remedy));
-        }
+        let more = "give a number, zero or more";
         let numbers = [
-            (Setting::Margin, self.region.margin),
-            (Setting::Sigmas, self.sigmas),
-            (Setting::Clearance, self.clearance),
+            (
+                Setting::Noise,
+                self.noise,
+                f64::MIN_POSITIVE,
+                "give a number above zero",
+            ),
+            (Setting::Margin, self.region.margin, 0.0, more),
+            (Setting::Sigmas, self.sigmas, 0.0, more),
+            (Setting::Clearance, self.clearance, 0.0, more),
         ];
-        for (setting, value) in numbers {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(wrong(setting, value, "give a number, zero or more"));
+        for (setting, value, least, remedy) in numbers {
+            if !(value.is_finite() && value >= least) {
+                return refused(setting, format!(" {value}: {remedy}"));
             }
         }
         let ranges = self.limits.ranges.iter();
-        let ranges = ranges.filter(|(lower, upper)| lower <= upper);
-        if ranges.count() != self.model.dof() {
+        if ranges.filter(|(lower, upper)| lower <= upper).count() != self.model.dof() {
             let remedy = ": give each joint a lower limit that is not above its upper one";
-            return Err(Error::request(message![Setting::Limits, remedy]));
+            return refused(Setting::Limits, remedy.to_string());
         }
         if let Some(candidates) = self.candidates.filter(|count| *count < self.poses) {
             let given = format!(" {candidates} for ");
@@ -364,8 +367,7 @@ impl Request {
             return Err(Error::request(why));
         }
         if self.poses == 0 {
-            let remedy = " 0: give one or more";
-            return Err(Error::request(message![Setting::Poses, remedy]));
+            return refused(Setting::Poses, " 0: give one or more".to_string());
         }
         Ok(())
     }

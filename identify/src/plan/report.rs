@@ -296,22 +296,22 @@ pub(super) fn lessons(
     noise: f64,
     order: &[usize],
 ) -> Vec<Lesson> {
-    let steps = deviations(regressor, prior, noise, order);
-    let params = &model.base.params;
     let lesson = |pair: &[Vec<f64>]| {
-        let part = |k: &usize| pair[1][*k] / pair[0][*k];
-        let known = (0..params.len()).filter(|k| part(k).is_finite());
-        let best = known.min_by(|a, b| part(a).total_cmp(&part(b)))?;
+        let stds = pair[0].iter().zip(&pair[1]).zip(&model.base.params);
+        let falls = stds.map(|((before, after), param)| (after / before, *before, *after, param));
+        let known = falls.filter(|(part, ..)| part.is_finite());
+        let (_, before, after, param) = known.min_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(Lesson {
-            parameter: params[best].name.clone(),
-            unit: match params[best].column {
+            parameter: param.name.clone(),
+            unit: match param.column {
                 Column::Prismatic { .. } => "1",
                 Column::Axis { .. } => "m",
             },
-            before: pair[0][best],
-            after: pair[1][best],
+            before,
+            after,
         })
     };
+    let steps = deviations(regressor, prior, noise, order);
     steps.windows(2).filter_map(lesson).collect()
 }
 
