@@ -4,7 +4,7 @@
 //! written out, read back, given to the code of `sesc predict`, and compared.
 
 use sesc_model::effects::{Catalog, Instance, PostureContext};
-use sesc_model::{EffectRecord, Function, Model, ModelFile};
+use sesc_model::{EffectRecord, Model, ModelFile};
 
 use super::criteria::model_file::{AGREES, BENEATH_NOISE, MOST_LEFT_OUT, OTHER_SIDE};
 use super::findings::{Explained, ModelOnLog};
@@ -13,7 +13,7 @@ use super::hypothesis::Term;
 use super::problem::Problem;
 use super::stated::FileModel;
 use crate::Error;
-use crate::evaluate::{EffectPredictor, Evaluator};
+use crate::evaluate::ReadingPredictor;
 use crate::observations::postures::rms;
 
 /// Compare `file` with what was found.
@@ -90,13 +90,7 @@ fn readings(problem: &Problem, model: &Model) -> Vec<f64> {
     }
     let tilt = |k: usize, axis: usize| data.posture_context[k * layout.len() + layout.tilt(axis)];
     let gravity: Vec<[f64; 3]> = (0..n).map(|k| [tilt(k, 0), tilt(k, 1), -1.0]).collect();
-    match EffectPredictor::new(model) {
-        Some(predictor) => predictor.run(&data.q, n, Some(&gravity)).1,
-        None => {
-            let com = Evaluator::new(model, Function::Com).run(&data.q, n);
-            let shadow =
-                |k: usize| [0, 1].map(|axis| com[3 * k + axis] + tilt(k, axis) * com[3 * k + 2]);
-            (0..n).flat_map(shadow).collect()
-        }
-    }
+    ReadingPredictor::new(model)
+        .run(&data.q, n, &gravity, &[])
+        .1
 }

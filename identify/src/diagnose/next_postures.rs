@@ -1,6 +1,5 @@
 //! Which experiment would tell the explanations of a class apart.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use sesc_model::effects::{Carry, Experiment, PostureContext};
@@ -266,9 +265,7 @@ fn candidates(
     let mut scene = Scene::new(model, &geometry, &limits, &region, clearance, None);
     scene.sigmas = 2.0;
     let draws = 20 * criteria::CANDIDATES;
-    let (q, _) = sample(&scene, 1, criteria::CANDIDATES, draws, |_| {
-        ControlFlow::Continue(())
-    });
+    let (q, _) = sample(&scene, 1, criteria::CANDIDATES, draws, |_| Ok(())).ok()?;
     (q.len() >= NEXT_POSTURES * dof).then_some(q)
 }
 
