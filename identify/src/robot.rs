@@ -4,10 +4,13 @@
 //! the program typed, never for one that a file or folder gave ([`Robot::read`]).
 
 use std::collections::VecDeque;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use nalgebra::DMatrix;
 use sesc_model::text::listed;
@@ -24,6 +27,15 @@ pub struct Robot {
     pub description: Description,
     /// Factors of its regressor over ranges of its joints.
     pub(crate) over_range: Factors,
+}
+
+/// A robot that [`Robot::read_typed`] read.
+#[derive(Debug)]
+pub struct Typed {
+    /// The robot.
+    pub robot: Robot,
+    /// Whether the program `xacro` was run over the file.
+    pub expanded: bool,
 }
 
 /// Factors that all logs of a robot ask for, by what they are of; the last few are kept.
@@ -67,29 +79,33 @@ impl Robot {
     }
 
     /// Read a file whose path the caller of the program typed: `asked`, or where the path ends in
-    /// `.xacro` and the program `xacro` is installed, what `xacro` makes of the file; and whether
-    /// it was run.
+    /// `.xacro` and the program `xacro` is installed, what `xacro` makes of the file.
     ///
     /// `xacro` runs code that stands in the file. Take [`Robot::read`] for paths that come from
     /// folders, manifests or other files.
     ///
     /// # Errors
     /// When the file cannot be read or expanded, or everything that is wrong with its text.
-    pub fn read_typed(path: &Path, asked: bool) -> Result<(Robot, bool), Error> {
-        let file = path.display().to_string();
-        let failed = |reason: &str| Error::log(&file, None, reason);
-        if asked || path.extension().is_some_and(|end| end == "xacro") {
-            match expand(path).map_err(|reason| failed(&reason))? {
-                Some(text) => return Ok((Robot::parse(&text, &file)?, true)),
-                None if asked => {
-                    let remedy = "the program `xacro` is not installed; install it, or give the \
-                                  URDF that it makes";
-                    return Err(failed(remedy));
-                }
-                None => {}
-            }
+    pub fn read_typed(path: &Path, asked: bool) -> Result<Typed, Error> {
+        let read = |robot| Typed {
+            robot,
+            expanded: false,
+        };
+        if !asked && path.extension().is_none_or(|end| end != "xacro") {
+            return Robot::read(path).map(read);
         }
-        Ok((Robot::read(path)?, false))
+        match expand(path) {
+            Ok(text) => Ok(Typed {
+                robot: Robot::parse(&text, &path.display().to_string())?,
+                expanded: true,
+            }),
+            Err(XacroFailed::NotInstalled) if !asked => Robot::read(path).map(read),
+            Err(failed) => Err(Error::log(
+                path.display().to_string(),
+                None,
+                failed.to_string(),
+            )),
+        }
     }
 
     /// Parse the text of a URDF; `file` names it in messages.
@@ -284,29 +300,97 @@ impl Stance {
     }
 }
 
-/// What the program `xacro` makes of a file; none where it is not installed.
-fn expand(path: &Path) -> Result<Option<String>, String> {
+/// Longest URDF that it may make, bytes: as much as a URDF may have.
+const LONGEST: u64 = 64 << 20;
+
+/// Why there is no URDF.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum XacroFailed {
+    #[error("the program `xacro` is not installed; install it, or give the URDF that it makes")]
+    NotInstalled,
+    #[error("standard input is not expanded by xacro; give the path of a file")]
+    StandardInput,
+    #[error("xacro does not run: {0}")]
+    NotRun(io::Error),
+    #[error("xacro does not expand it: {0}")]
+    Refused(String),
+    #[error("xacro makes more than {} MiB of it", LONGEST >> 20)]
+    TooLong,
+    #[error("xacro did not end within {} s", .0.as_secs_f64())]
+    TooSlow(Duration),
+    #[error("xacro expands it to what is no UTF-8")]
+    NoText,
+}
+
+/// What `xacro` makes of a file.
+pub(crate) fn expand(path: &Path) -> Result<String, XacroFailed> {
     if path.as_os_str() == "-" {
-        return Err("standard input is not expanded by xacro; give the path of a file".to_string());
+        return Err(XacroFailed::StandardInput);
     }
     // `./-x` is no option, and an absolute path stays as it is.
-    let path = Path::new(".").join(path);
-    let output = match Command::new("xacro")
-        .arg(path)
-        .stdin(Stdio::null())
-        .output()
-    {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        output => output.map_err(|error| format!("xacro does not run: {error}"))?,
-    };
-    if !output.status.success() {
-        let messages = String::from_utf8_lossy(&output.stderr);
-        let last = messages.trim_end().lines().next_back().unwrap_or_default();
-        return Err(format!("xacro does not expand it: {}", last.escape_debug()));
+    let mut command = Command::new("xacro");
+    command.arg(Path::new(".").join(path));
+    run_xacro(&mut command, Duration::from_secs(60))
+}
+
+fn run_xacro(command: &mut Command, patience: Duration) -> Result<String, XacroFailed> {
+    command.stdin(Stdio::null());
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => XacroFailed::NotInstalled,
+        _ => XacroFailed::NotRun(error),
+    })?;
+    let output = output(&mut child, patience);
+    if output.is_err() {
+        // It may have ended by itself.
+        let _ = child.kill();
+        let _ = child.wait();
     }
-    let text = String::from_utf8(output.stdout);
-    text.map(Some)
-        .map_err(|_| "xacro expands it to what is no UTF-8".to_string())
+    output
+}
+
+fn output(child: &mut Child, patience: Duration) -> Result<String, XacroFailed> {
+    let end = Instant::now() + patience;
+    let text = received(child.stdout.take(), LONGEST + 1);
+    let messages = received(child.stderr.take(), 64 << 10);
+    let left = || end.saturating_duration_since(Instant::now());
+    let late = |_| XacroFailed::TooSlow(patience);
+    let text = text.recv_timeout(left()).map_err(late)?;
+    if text.len() as u64 > LONGEST {
+        return Err(XacroFailed::TooLong);
+    }
+    let messages = messages.recv_timeout(left()).map_err(late)?;
+    let status = loop {
+        match child.try_wait().map_err(XacroFailed::NotRun)? {
+            Some(status) => break status,
+            None if left().is_zero() => return Err(XacroFailed::TooSlow(patience)),
+            None => thread::sleep(Duration::from_millis(2)),
+        }
+    };
+    if !status.success() {
+        let messages = String::from_utf8_lossy(&messages);
+        let last = messages.trim_end().lines().next_back().unwrap_or_default();
+        return Err(XacroFailed::Refused(last.escape_debug().to_string()));
+    }
+    String::from_utf8(text).map_err(|_| XacroFailed::NoText)
+}
+
+/// The first `most` bytes of a stream, read by a thread of its own: a program of the program may
+/// hold the stream open for ever.
+fn received(stream: Option<impl Read + Send + 'static>, most: u64) -> Receiver<Vec<u8>> {
+    let (send, receive) = mpsc::channel();
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        if let Some(stream) = stream {
+            let mut begin = stream.take(most);
+            // What broke off is judged by the exit code.
+            let _ = begin.read_to_end(&mut bytes);
+            let _ = send.send(bytes);
+            // So that the program is not held up by its messages.
+            let _ = io::copy(&mut begin.into_inner(), &mut io::sink());
+        }
+    });
+    receive
 }
 
 #[cfg(test)]
@@ -330,5 +414,42 @@ mod tests {
         let robot = Robot::parse(&urdf, "r.urdf").unwrap();
         let words = "(the robot has R_Sole, l_foot, base, head)";
         crate::tests::says(robot.no_support(&[]), &[words]);
+    }
+
+    #[cfg(unix)]
+    #[cfg(unix)]
+    fn shell(script: &str, patience: Duration) -> Result<String, String> {
+        let run = run_xacro(Command::new("/bin/sh").args(["-c", script]), patience);
+        run.map_err(|failed| failed.to_string())
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_program_is_bounded_in_time_and_output() {
+        let minute = Duration::from_secs(60);
+        let moment = Duration::from_millis(200);
+        assert_eq!(shell("cat; echo text", minute).unwrap(), "text\n");
+        let endless = "while :; do echo 0123456789012345678901234567890123456789; done";
+        let endless = shell(endless, minute);
+        assert_eq!(endless.unwrap_err(), "xacro makes more than 64 MiB of it");
+        let chatty =
+            "i=0; while [ $i -lt 20000 ]; do echo warning >&2; i=$((i+1)); done; echo text";
+        assert_eq!(shell(chatty, minute).unwrap(), "text\n");
+        for slow in [
+            "sleep 20",
+            "echo text; exec >&- 2>&-; sleep 20",
+            "sleep 20 & echo text",
+        ] {
+            let said = shell(slow, moment).unwrap_err();
+            assert_eq!(said, "xacro did not end within 0.2 s", "{slow}");
+        }
+        let failed = shell(
+            "echo first >&2; echo 'no\u{1b}[1m such' >&2; exit 2",
+            minute,
+        );
+        let expected = "xacro does not expand it: no\\u{1b}[1m such";
+        assert_eq!(failed.unwrap_err(), expected);
+        let latin = shell("printf '\\377'", minute);
+        assert!(latin.unwrap_err().contains("UTF-8"));
     }
 }

@@ -40,7 +40,10 @@ impl Robot {
                 let robot = robot::Robot::parse(text, &file.display().to_string());
                 robot.map(|robot| (robot, false))
             }
-            None => robot::Robot::read_typed(&file, xacro),
+            None => {
+                let read = robot::Robot::read_typed(&file, xacro);
+                read.map(|read| (read.robot, read.expanded))
+            }
         };
         let (inner, expanded) = detached(py, || read().during(Doing::Robot))?;
         let snapping = match snap {

@@ -192,14 +192,14 @@ impl StandingArguments {
 
     /// Read the URDF that was typed.
     pub(super) fn robot(&self, urdf: &Path) -> Result<Robot, Error> {
-        let (robot, expanded) = Robot::read_typed(urdf, self.xacro)?;
-        if expanded {
+        let typed = Robot::read_typed(urdf, self.xacro)?;
+        if typed.expanded {
             message(&format!(
                 "note: {} was expanded by xacro, which ran code of that file",
                 urdf.display()
             ));
         }
-        Ok(robot)
+        Ok(typed.robot)
     }
 
     pub(super) fn snapping(&self) -> Snapping {
