@@ -39,10 +39,10 @@ pub(super) fn of(
 /// Whether more is left of the soles than noise leaves.
 pub(super) fn is_open(problem: &Problem, fit: &Fit) -> bool {
     let pair = problem
-        .first
+        .first()
         .closure
         .as_deref()
-        .zip(fit.first.closed.as_ref());
+        .zip(fit.blocks[0].closed.as_ref());
     pair.is_some_and(|(closure, closed)| {
         let (chi2, expected) = closure.chi2(&closed.residual);
         chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * expected
@@ -51,8 +51,11 @@ pub(super) fn is_open(problem: &Problem, fit: &Fit) -> bool {
 
 /// What is said of the soles, by CAD (`null`) and with the explanation.
 pub(super) fn said(problem: &Problem, null: &Fit, best: &Fit) -> Option<ClosureFound> {
-    let closure = problem.first.closure.as_deref()?;
-    let (before, after) = (null.first.closed.as_ref()?, best.first.closed.as_ref()?);
+    let closure = problem.first().closure.as_deref()?;
+    let (before, after) = (
+        null.blocks[0].closed.as_ref()?,
+        best.blocks[0].closed.as_ref()?,
+    );
     let found = closure.said(&before.residual, &after.residual);
     let changed = !best.terms.is_empty() && found.after != found.before;
     Some(found.explained(changed))

@@ -44,7 +44,7 @@ pub(crate) fn of_the_log(problem: &Problem, found: &Explained) -> Vec<String> {
     let said = outliers.map(|term| {
         format!(
             "{} is left out: it says nothing of the robot",
-            term.label(&problem.first.context)
+            term.label(&problem.first().context)
         )
     });
     said.collect()
@@ -69,12 +69,12 @@ pub(crate) fn of(
         false => prior,
     };
     // Masses move from CAD's, also where others are expected of this robot.
-    let model = &robot.model(problem.first.model.support(), snapping, None)?;
+    let model = &robot.model(problem.first().model.support(), snapping, None)?;
     let mut corrected = of_model_file(
         &file,
         robot,
         model,
-        &problem.first.context.catalog,
+        &problem.first().context.catalog,
         snapping,
         prior,
         total_mass,

@@ -34,7 +34,7 @@ pub fn find<'m>(
 ) -> Result<Explained, Error> {
     let mut search = Search::new(whole_problem.clone());
     let visible = search.visible().to_vec();
-    let too_few = whole_problem.first.too_few();
+    let too_few = whole_problem.first().too_few();
     // Nothing at all is left to tell the noise from.
     let hopeless =
         too_few.is_some_and(|[rows, directions]| rows < directions + noise::LEFT_AT_LEAST);
@@ -59,7 +59,7 @@ pub fn find<'m>(
     let problem = &*whole;
     let misfit = misfit(problem, &best);
     // Noise that was taken from what free masses leave says it where far more is left.
-    let known = problem.first.data.noise_source != NoiseSource::Residuals
+    let known = problem.first().data.noise_source != NoiseSource::Residuals
         || misfit.chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * misfit.expected;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
     let soles = about.usable && closure::is_open(problem, &best);
@@ -101,7 +101,7 @@ pub fn find<'m>(
         *whole_problem = own;
         let problem = &*whole_problem;
         // Everything that is shown beside it is seen from the same masses.
-        let again = |fit: &Fit| problem.fit(&fit.terms, Some(&fit.unknowns), ALL);
+        let again = |fit: &Fit| problem.fit(&fit.terms, Some(fit), ALL);
         class = class.iter().map(again).collect();
         best = settled;
         if let Some(first) = class.first_mut().filter(|first| first.terms == best.terms) {
@@ -128,11 +128,11 @@ pub fn find<'m>(
         health: about.health.clone(),
         warnings: Vec::new(),
         samples: Samples::default(),
-        motion: problem.first.data.motion_use.clone(),
-        visits: problem.first.data.visits,
+        motion: problem.first().data.motion_use.clone(),
+        visits: problem.first().data.visits,
         closure,
         again: noise::untold(problem, verdict)
-            .and_then(|untold| Again::of(untold, problem.first.model, &problem.first.data)),
+            .and_then(|untold| Again::of(untold, problem.first().model, &problem.first().data)),
         masses_are_cad: problem.masses_are_cad,
         sentence: String::new(),
         lead: String::new(),
@@ -140,12 +140,12 @@ pub fn find<'m>(
         support: about.support.to_string(),
         log: about.log.to_string(),
         times: None,
-        postures: problem.first.data.postures,
-        postures_used: problem.first.data.len(),
+        postures: problem.first().data.postures,
+        postures_used: problem.first().data.len(),
         prior: about.prior.clone(),
-        noise: problem.first.data.noise,
-        noise_floor: problem.first.data.noise_floor,
-        noise_source: problem.first.data.noise_source,
+        noise: problem.first().data.noise,
+        noise_floor: problem.first().data.noise_floor,
+        noise_source: problem.first().data.noise_source,
         baseline: Gap {
             rmse: baseline.rmse,
             rmse_x: baseline.rmse_x,
@@ -278,7 +278,7 @@ fn misfit(problem: &Problem, fit: &Fit) -> Misfit {
 
 /// What of an explanation no robot has, as a sentence.
 fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
-    let context = &problem.first.context;
+    let context = &problem.first().context;
     let found = words::values(problem, fit);
     let of = |name: &str| {
         fit.terms
@@ -341,7 +341,7 @@ fn too_many_outliers(fit: &Fit) -> bool {
 
 /// χ² of the robot with CAD masses in the log that is reported.
 fn raw_misfit(problem: &Problem) -> Misfit {
-    let block = &problem.first;
+    let block = &problem.first();
     let out = block.evaluate(&[], &[], &block.data.q, &block.data.posture_context);
     let gaps = block.residual(&out);
     let whole = gaps
@@ -357,5 +357,10 @@ fn raw_misfit(problem: &Problem) -> Misfit {
 
 fn absorbed(problem: &Problem, best: &Fit) -> f64 {
     let shift = problem.mass_shift(best);
-    crate::observations::postures::rms(shift.iter().zip(&problem.first.weight).map(|(s, w)| s / w))
+    crate::observations::postures::rms(
+        shift
+            .iter()
+            .zip(&problem.first().weight)
+            .map(|(s, w)| s / w),
+    )
 }

@@ -44,15 +44,16 @@ pub struct Candidate {
 impl Dictionary {
     /// Slopes at joint positions `q` of each block, those of the logs unless given.
     pub fn new(problem: &Problem, q: Option<&[Vec<f64>]>) -> Dictionary {
-        let context = &problem.first.context;
+        let context = &problem.first().context;
         let contexts: Vec<Cow<[f64]>> = problem
-            .blocks()
+            .blocks
+            .iter()
             .enumerate()
             .map(|(at, block)| sides_at(block, q.map_or(&block.data.q, |q| &q[at])).into())
             .collect();
         let predicted =
             |terms: &[Term], unknowns: &[f64]| problem.predict(terms, unknowns, &contexts, q);
-        let none = stacked_residual(predicted(&[], &[]).iter());
+        let none = stacked_residual(&predicted(&[], &[]));
         let terms = effect_terms(context);
         let rows = none.len();
         let count: usize = terms.iter().map(|term| term.unknowns(context)).sum();
@@ -63,11 +64,11 @@ impl Dictionary {
             let starts = term.starts(context);
             if starts.len() == 1 {
                 let slopes = predicted(own, &starts[0]);
-                return (false, stacked_slopes(slopes.iter(), term.unknowns(context)));
+                return (false, stacked_slopes(&slopes, term.unknowns(context)));
             }
             // No slope at none: what each start does, as one direction each, of which the
             // strongest stands for it.
-            let with = stacked_residual(predicted(own, &starts[starts.len() / 3]).iter());
+            let with = stacked_residual(&predicted(own, &starts[starts.len() / 3]));
             // A residual falls by what its prediction rises.
             (true, DMatrix::from_columns(&[&none - with]))
         };
@@ -90,7 +91,7 @@ impl Dictionary {
             wide_squares: Vec::new(),
             candidates,
         };
-        dictionary.squares = dictionary.squares_beside(problem, &problem.nuisance);
+        dictionary.squares = dictionary.squares_beside(problem, problem.masses(&[]));
         dictionary.wide_squares = match problem.is_wider() {
             true => dictionary.squares_beside(problem, problem.masses(&[Term::Masses])),
             false => dictionary.squares.clone(),
@@ -131,7 +132,7 @@ impl Dictionary {
     /// χ² that each candidate of ordinary size would have in this log.
     pub fn visible(&self, problem: &Problem) -> Vec<(Term, f64)> {
         let of = |(c, square): (&Candidate, &DMatrix<f64>)| {
-            let scales = c.term.scales(&problem.first.context);
+            let scales = c.term.scales(&problem.first().context);
             let ordinary = match c.count == scales.len() && !c.started {
                 true => DVector::from_vec(scales),
                 false => DVector::from_element(c.count, 1.0),
@@ -146,12 +147,12 @@ impl Dictionary {
     pub fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
         let masses = problem.masses(&fit.terms);
         let own = fit.unknowns.len();
-        let mut residual = fit.residual();
-        let root = problem.root_weights(fit, ALL);
-        let weights = root.iter().flatten();
-        residual.iter_mut().zip(weights).for_each(|(e, w)| *e *= w);
+        // Slopes count as they are, residuals by their weights.
+        let mut residual = DMatrix::from_columns(&[fit.residual()]);
+        let weighting = problem.weighting(&fit.terms, fit.outliers.as_ref(), ALL);
+        weighting.weigh(&mut residual);
         let mut rows = fit.slopes().insert_column(own, 0.0);
-        rows.set_column(own, &residual);
+        rows.set_column(own, &residual.column(0));
         let left = problem.project_out(masses, &rows);
         let of_own = transposed_times(&rows, &left);
         let of_all = transposed_times(&self.slopes, &left);
@@ -204,11 +205,11 @@ impl Dictionary {
     ) {
         let width = self.slopes.ncols();
         let mut gram = DMatrix::zeros(width, width);
-        self.in_parts(problem, &problem.nuisance, |some, slopes, left| {
+        self.in_parts(problem, problem.masses(&[]), |some, slopes, left| {
             gram.columns_mut(some[0].from, slopes.ncols())
                 .copy_from(&transposed_times(&self.slopes, left));
         });
-        let left = problem.project_out_one(&problem.nuisance, residual);
+        let left = problem.project_out_one(problem.masses(&[]), residual);
         let b = self.slopes.tr_mul(&left);
         for (i, first) in self.candidates.iter().enumerate() {
             let aa = gram

@@ -96,7 +96,7 @@ impl Trial<'_, '_> {
         if self.experiment != Experiment::RawCells {
             return 0.0;
         }
-        let context = &self.here.first.context;
+        let context = &self.here.first().context;
         let carried = |fit: &Fit| -> f64 {
             let mut mass = 0.0;
             for (term, own) in with_places(&fit.terms, context) {
@@ -106,16 +106,16 @@ impl Trial<'_, '_> {
             }
             mass
         };
-        let arms = self.here.first.data.cells.iter().map(|c| c[0].abs());
+        let arms = self.here.first().data.cells.iter().map(|c| c[0].abs());
         let arm = arms.fold(0.0, f64::max).max(0.01);
-        let noise = self.here.first.data.noise_floor * context.mass() / arm;
-        let postures = self.here.first.data.len() as f64;
+        let noise = self.here.first().data.noise_floor * context.mass() / arm;
+        let postures = self.here.first().data.len() as f64;
         postures * ((carried(truth) - carried(other)) / noise).powi(2)
     }
 
     /// Old rows as the logs have them, then new ones.
     fn rows(&self, fit: &Fit) -> WhitenedReadings {
-        let blocks = self.here.blocks().zip(fit.blocks());
+        let blocks = self.here.blocks.iter().zip(&fit.blocks);
         let values = blocks.flat_map(|(block, own)| {
             let pairs = own.predicted.iter().zip(&block.weight);
             pairs.map(|(value, weight)| value * weight)
@@ -128,8 +128,8 @@ impl Trial<'_, '_> {
     }
 
     fn new_rows(&self, fit: &Fit) -> WhitenedReadings {
-        let (here, there) = (&self.here.first.context, &self.there.context);
-        let carried = carried(self.experiment, here, there, &fit.terms);
+        let (here, there) = (&self.here.first().context, &self.there.context);
+        let carried = carried(Some(self.experiment), here, there, &fit.terms);
         let mut unknowns = carried.unknowns(&fit.unknowns);
         let CarriedExplanation { mut terms, columns } = carried;
         if self.experiment == Experiment::KnownWeight {
@@ -143,7 +143,7 @@ impl Trial<'_, '_> {
             .evaluate(&terms, &unknowns, &self.postures.q, &posture_context);
         let width = unknowns.len() + 1;
         let rows = out.len() / width;
-        let weight = 1.0 / self.here.first.data.noise_floor;
+        let weight = 1.0 / self.here.first().data.noise_floor;
         let mut slopes = DMatrix::zeros(rows, fit.unknowns.len());
         for row in 0..rows {
             for (own, (k, sign)) in columns.iter().enumerate() {
@@ -199,7 +199,7 @@ impl Trial<'_, '_> {
     fn masses(&self) -> DMatrix<f64> {
         let here = self.here;
         let n = self.postures.posture_context.len() / self.layout().len();
-        let first = here.of_readings(here.nuisance.columns());
+        let first = here.of_readings(here.masses(&[]).columns());
         let old = first.nrows();
         let mut k = DMatrix::zeros(old + 2 * n, first.ncols());
         k.rows_mut(0, old).copy_from(&first);
@@ -209,12 +209,12 @@ impl Trial<'_, '_> {
         let rows = DMatrix::from_row_slice(2 * n, params, &flat.run(&self.postures.q, n));
         let map = match self.experiment {
             Experiment::OtherFoot => {
-                let shift = self.postures.model.params_from(here.first.context.robot);
-                &shift.matrix * &here.prior
+                let shift = self.postures.model.params_from(here.first().context.robot);
+                &shift.matrix * &here.prior(&[]).factor
             }
-            _ => here.prior.clone(),
+            _ => here.prior(&[]).factor.clone(),
         };
-        let second = rows * map / here.first.data.noise_floor;
+        let second = rows * map / here.first().data.noise_floor;
         k.rows_mut(old, 2 * n).copy_from(&second);
         k
     }

@@ -3,7 +3,7 @@
 use super::hypothesis::Term;
 
 use super::criteria;
-use super::problem::{Fit, Problem, RowSelection};
+use super::problem::{Fit, Problem};
 use crate::observations::correlation::step;
 use crate::observations::postures::rms;
 
@@ -25,10 +25,10 @@ pub struct HeldOut {
 /// long as noise lasts; of a log without times every 20th posture. Visits of a posture are held
 /// out together.
 pub(super) fn parts(problem: &Problem) -> Vec<usize> {
-    let n = problem.first.data.len();
+    let n = problem.first().data.len();
     let most = criteria::FOLDS.min(n);
     let timed = problem
-        .first
+        .first()
         .data
         .t
         .as_ref()
@@ -38,7 +38,7 @@ pub(super) fn parts(problem: &Problem) -> Vec<usize> {
     let stretches = (n as f64 / (criteria::HELD_OUT_TIMES * lasts)) as usize;
     let folds = stretches.clamp(2.min(n), most);
     let part = |k: usize, n: usize| if timed { k * folds / n } else { k % most };
-    let first = &problem.first.data.first_visits;
+    let first = &problem.first().data.first_visits;
     if first.is_empty() {
         return (0..n).map(|k| part(k, n)).collect();
     }
@@ -51,16 +51,15 @@ pub(super) fn parts(problem: &Problem) -> Vec<usize> {
 /// Cross-validation of a hypothesis: each posture predicted without itself. Postures
 /// that are `apart` do not count.
 pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut {
-    let n = problem.first.data.len();
-    if whole.terms.is_empty() && problem.nuisance.is_negligible() {
+    let n = problem.first().data.len();
+    if whole.terms.is_empty() && problem.masses(&[]).is_negligible() {
         return of_errors(errors_of(problem, whole, None), apart);
     }
     let parts = parts(problem);
     let mut errors = vec![f64::NAN; 2 * n];
     for fold in 0..=parts.iter().copied().max().unwrap_or(0) {
         let keep: Vec<bool> = parts.iter().map(|part| *part != fold).collect();
-        let rows = RowSelection { keep: Some(&keep) };
-        let fit = problem.fit(&whole.terms, Some(&whole.unknowns), rows);
+        let fit = problem.fit(&whole.terms, Some(whole), Some(&keep));
         let own = errors_of(problem, &fit, Some(&keep));
         for k in (0..n).filter(|k| !keep[*k]) {
             errors[2 * k] = own[2 * k];
@@ -72,15 +71,15 @@ pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut
 
 /// Errors of the robot with CAD masses.
 pub fn of_cad(problem: &Problem) -> HeldOut {
-    let n = problem.first.data.len();
-    let out = problem.first.evaluate(
+    let n = problem.first().data.len();
+    let out = problem.first().evaluate(
         &[],
         &[],
-        &problem.first.data.q,
-        &problem.first.data.posture_context,
+        &problem.first().data.q,
+        &problem.first().data.posture_context,
     );
     let errors = problem
-        .first
+        .first()
         .data
         .reading
         .iter()
@@ -93,10 +92,10 @@ pub fn of_cad(problem: &Problem) -> HeldOut {
 pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> Vec<f64> {
     let shift = match &fit.masses {
         Some(_) => problem.mass_shift(fit),
-        None => problem.mass_shift_of(fit, RowSelection { keep }),
+        None => problem.mass_shift_of(fit, keep),
     };
-    let left = fit.first.residual.iter().zip(shift.iter());
-    let left = left.zip(&problem.first.weight);
+    let left = fit.blocks[0].residual.iter().zip(shift.iter());
+    let left = left.zip(&problem.first().weight);
     left.map(|((e, s), w)| (e - s) / w).collect()
 }
 
@@ -111,12 +110,12 @@ pub fn apart(problem: &Problem, fit: &Fit) -> Vec<bool> {
 pub fn apart_on_the_way(problem: &Problem, step: &Fit, best: &Fit) -> Vec<bool> {
     let slack = step.terms.iter().any(|term| term.dead_band().is_some());
     let outlying = step.terms.contains(&Term::Outliers);
-    let mut apart = vec![false; problem.first.data.len()];
+    let mut apart = vec![false; problem.first().data.len()];
     if let Some(outliers) = best.outliers.as_ref().filter(|_| outlying) {
         outliers.named().into_iter().for_each(|k| apart[k] = true);
     }
     if slack {
-        best.first.flipped.iter().for_each(|&k| apart[k] = true);
+        best.blocks[0].flipped.iter().for_each(|&k| apart[k] = true);
     }
     apart
 }

@@ -236,25 +236,8 @@ pub(super) struct CarriedExplanation {
 }
 
 impl CarriedExplanation {
-    /// The explanation of the log itself.
-    pub fn same(terms: &[Term], context: &EffectContext) -> CarriedExplanation {
-        let unknowns: usize = terms.iter().map(|term| term.unknowns(context)).sum();
-        CarriedExplanation {
-            terms: terms.to_vec(),
-            columns: (0..unknowns).map(|k| (k, 1.0)).collect(),
-        }
-    }
-
     /// Slopes by the unknowns here as slopes by the `count` unknowns of the log.
-    pub fn by_unknowns(&self, slopes: DMatrix<f64>, count: usize) -> DMatrix<f64> {
-        if self
-            .columns
-            .iter()
-            .copied()
-            .eq((0..count).map(|k| (k, 1.0)))
-        {
-            return slopes;
-        }
+    pub fn by_unknowns(&self, slopes: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
         let mut all = DMatrix::zeros(slopes.nrows(), count);
         for (own, &(k, sign)) in slopes.column_iter().zip(&self.columns) {
             let mut to = all.column_mut(k);
@@ -280,9 +263,10 @@ fn moved(term: &Term, here: &EffectContext, there: &EffectContext) -> Option<Ter
     Some(Term::Effect(Instance { effect, target }))
 }
 
-/// What becomes of `terms` of the robot `here`, if anything, in an experiment `there`.
+/// What becomes of `terms` of the robot `here`, if anything, in an experiment `there`; all of them
+/// where it is none.
 pub(super) fn carried(
-    experiment: Experiment,
+    experiment: Option<Experiment>,
     here: &EffectContext,
     there: &EffectContext,
     terms: &[Term],
@@ -292,12 +276,16 @@ pub(super) fn carried(
         columns: Vec::new(),
     };
     for (term, own) in with_places(terms, here) {
-        let factors = match term.in_experiment(experiment) {
+        let (there, carry) = match experiment {
+            None => (Some(term.clone()), Carry::Same),
+            Some(experiment) => (moved(term, here, there), term.in_experiment(experiment)),
+        };
+        let factors = match carry {
             Carry::Gone => continue,
             Carry::Scaled(factors) => factors,
             Carry::Same => vec![1.0; own.len()],
         };
-        let Some(there) = moved(term, here, there) else {
+        let Some(there) = there else {
             continue;
         };
         carried.terms.push(there);

@@ -33,7 +33,11 @@ impl Misfit {
         let masses = problem.masses(&fit.terms);
         let shift = problem.mass_shift(fit);
         let (mut chi2, mut rows) = (0.0, 0.0);
-        let blocks = problem.blocks().zip(fit.blocks()).zip(problem.readings());
+        let blocks = problem
+            .blocks
+            .iter()
+            .zip(&fit.blocks)
+            .zip(problem.readings());
         for (at, ((block, own), range)) in blocks.enumerate() {
             let apart = match at {
                 0 => held_out::apart(problem, fit),
@@ -73,7 +77,7 @@ fn residuals(problem: &Problem, fit: &Fit) -> Vec<(usize, [f64; 2])> {
     let shift = problem.mass_shift(fit);
     let apart = held_out::apart(problem, fit);
     let postures = (0..apart.len()).filter(|&k| !apart[k]);
-    let left = |row: usize| fit.first.residual[row] - shift[row];
+    let left = |row: usize| fit.blocks[0].residual[row] - shift[row];
     postures
         .map(|k| (k, [left(2 * k), left(2 * k + 1)]))
         .collect()
@@ -83,11 +87,11 @@ fn residuals(problem: &Problem, fit: &Fit) -> Vec<(usize, [f64; 2])> {
 pub fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
     let residuals = residuals(problem, fit);
     let (data, layout) = (
-        &problem.first.data,
-        PostureContext::of(problem.first.context.robot),
+        &problem.first().data,
+        PostureContext::of(problem.first().context.robot),
     );
-    let dofs = &problem.first.context.robot.tree.dofs;
-    let moments = problem.first.moments_at(&data.q);
+    let dofs = &problem.first().context.robot.tree.dofs;
+    let moments = problem.first().moments_at(&data.q);
     let place = |k: usize| data.posture_context[k * layout.len() + layout.place()];
     let mut found = vec![(Suspect::Place, share(&residuals, place))];
     for (j, dof) in dofs.iter().enumerate() {

@@ -46,9 +46,9 @@ pub(super) fn check(
     }
     let text = toml::to_string(file).map_err(|error| refused(error.to_string()))?;
     let read = ModelFile::parse(&text, "model.toml")?;
-    let model = problem.first.model.clone().with_file(read)?;
+    let model = problem.first().model.clone().with_file(read)?;
     let predicted = readings(problem, &model);
-    let readings = problem.first.data.reading.iter().zip(&predicted);
+    let readings = problem.first().data.reading.iter().zip(&predicted);
     let predicted: Vec<f64> = readings.map(|(y, p)| y - p).collect();
     // On which side of its dead band a joint rests near no moment, the log knows and a
     // posture alone does not.
@@ -59,12 +59,12 @@ pub(super) fn check(
         .any(|term| term.dead_band().is_some());
     let before = apart.iter().filter(|apart| **apart).count();
     for k in (0..apart.len()).filter(|_| loose) {
-        let off = |row: usize| (predicted[row] - stated[row]).abs() * problem.first.weight[row];
+        let off = |row: usize| (predicted[row] - stated[row]).abs() * problem.first().weight[row];
         apart[k] |= off(2 * k).max(off(2 * k + 1)) > OTHER_SIDE;
     }
     let left_out = apart.iter().filter(|apart| **apart).count() - before;
     let (stated_rmse, predicted_rmse) = (error(&stated, &apart), error(&predicted, &apart));
-    let slack = (AGREES * stated_rmse).max(BENEATH_NOISE * problem.first.data.noise_floor);
+    let slack = (AGREES * stated_rmse).max(BENEATH_NOISE * problem.first().data.noise_floor);
     let few = (left_out as f64) <= MOST_LEFT_OUT * apart.len() as f64;
     Ok(ModelOnLog {
         stated_rmse,
@@ -76,7 +76,7 @@ pub(super) fn check(
 
 /// Readings of the log's postures by the model, m.
 fn readings(problem: &Problem, model: &Model) -> Vec<f64> {
-    let (data, n) = (&problem.first.data, problem.first.data.len());
+    let (data, n) = (&problem.first().data, problem.first().data.len());
     let layout = PostureContext::of(model);
     let of_log = |(i, _): &(Instance, Vec<f64>)| !i.effect.is_static();
     let of_contacts = !data.other_contact.is_empty();

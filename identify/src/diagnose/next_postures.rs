@@ -50,7 +50,7 @@ pub fn next(
         return Next::default();
     }
     let mut ranked: Vec<Ranked> = Vec::new();
-    let model = problem.first.model;
+    let model = problem.first().model;
     let support = model.support().to_string();
     let fresh = candidates(problem, model, robot, folder);
     let mut all = vec![
@@ -67,7 +67,7 @@ pub fn next(
                 ranked.push(with_postures(
                     experiment,
                     problem,
-                    &problem.first,
+                    &problem.first(),
                     model,
                     q,
                     truth,
@@ -84,11 +84,11 @@ pub fn next(
         let trial = Trial {
             experiment,
             here: problem,
-            there: &problem.first,
+            there: &problem.first(),
             postures: Postures {
-                model: problem.first.model,
-                q: problem.first.data.q.clone(),
-                posture_context: problem.first.data.posture_context.clone(),
+                model: problem.first().model,
+                q: problem.first().data.q.clone(),
+                posture_context: problem.first().data.posture_context.clone(),
             },
         };
         let (separations, _) = trial.separations(truth, &others);
@@ -96,14 +96,14 @@ pub fn next(
             proposal: proposal(trial.experiment, &support, separations),
             postures: OnFoot {
                 support: support.clone(),
-                q: problem.first.data.q.clone(),
+                q: problem.first().data.q.clone(),
                 ranks: Vec::new(),
             },
             experiment: trial.experiment,
         });
     }
     if let Some(other) = other_foot(robot, &support, snapping) {
-        let there = problem.first.on(&other);
+        let there = problem.first().on(&other);
         if let Some(q) = candidates(problem, &other, robot, folder) {
             let foot = Experiment::OtherFoot;
             ranked.push(with_postures(
@@ -133,7 +133,7 @@ fn makes_sense(experiment: Experiment, problem: &Problem, found: &Explained) -> 
     let any = |holds: fn(&Term) -> bool| found.class.iter().any(|f| f.terms.iter().any(holds));
     match experiment {
         Experiment::RawCells => {
-            !problem.first.data.raw_cells && !problem.first.data.cells.is_empty()
+            !problem.first().data.raw_cells && !problem.first().data.cells.is_empty()
         }
         Experiment::BothSides => any(|term| term.dead_band().is_some()),
         Experiment::Untouched => any(|term| {
@@ -247,7 +247,7 @@ fn candidates(
     let dof = model.dof();
     let mut limits = Limits::of_urdf(&model.tree.dofs);
     for (joint, range) in limits.ranges.iter_mut().enumerate() {
-        let values = problem.first.data.q.iter().skip(joint).step_by(dof);
+        let values = problem.first().data.q.iter().skip(joint).step_by(dof);
         let low = values.clone().copied().fold(f64::INFINITY, f64::min);
         let high = values.copied().fold(f64::NEG_INFINITY, f64::max);
         let room = criteria::BEYOND_LOG * (high - low);
@@ -256,7 +256,7 @@ fn candidates(
             *range = narrowed;
         }
     }
-    let far = problem.first.data.reading.iter().map(|x| x.abs());
+    let far = problem.first().data.reading.iter().map(|x| x.abs());
     let half = far
         .fold(criteria::COP_BOX_M.0, f64::max)
         .min(criteria::COP_BOX_M.1);

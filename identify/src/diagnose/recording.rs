@@ -16,7 +16,7 @@ const EXPLAINED: [&str; 2] = ["/cop/explained", "/cop_gap/explained"];
 
 /// Every posture that was used, in the order of the log.
 pub(super) fn of(problem: &Problem, found: &Explained) -> Recording {
-    let data = &problem.first.data;
+    let data = &problem.first().data;
     let pairs = |values: &[f64]| -> Vec<[f64; 2]> {
         let pairs = values.chunks_exact(2);
         pairs.map(|pair| [pair[0], pair[1]]).collect()
@@ -44,9 +44,9 @@ pub(super) fn of(problem: &Problem, found: &Explained) -> Recording {
         kind: TrackKind::Reading,
         xy: measured,
     };
-    let dofs = &problem.first.model.tree.dofs;
+    let dofs = &problem.first().model.tree.dofs;
     Recording {
-        frame: problem.first.model.support().to_string(),
+        frame: problem.first().model.support().to_string(),
         joints: dofs
             .iter()
             .map(|dof| dof.joint.trim().to_string())

@@ -147,7 +147,7 @@ pub(super) fn add(
             };
         }
         if let Some(joint) = joint_of(term, own) {
-            let dof = &problem.first.context.robot.tree.dofs[joint];
+            let dof = &problem.first().context.robot.tree.dofs[joint];
             let map = encoder_of(joint, terms, &values);
             if let (Some(&old), Some(map)) = (servos.get(&dof.joint), map)
                 && let Some(new) = old.corrected(map)
@@ -194,7 +194,7 @@ fn encoder_of(joint: usize, terms: &[Term], values: &[Vec<f64>]) -> Option<Encod
 }
 
 fn of_term(problem: &Problem, term: &Term, values: &[f64], description: &Description) -> Remedy {
-    let context = &problem.first.context;
+    let context = &problem.first().context;
     let instance = match term {
         Term::Effect(instance) => instance,
         Term::Outliers => {

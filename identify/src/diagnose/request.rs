@@ -246,8 +246,8 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         let first = Block::new(&model, data, closure, &request.effects);
         let others = others.iter().cloned();
         let others = others.map(|(block, experiment)| block.beside(&first, experiment));
-        let others = others.collect();
-        samples::explained(Problem::new(first, others, &prior), &about, watch)
+        let blocks = [first.clone()].into_iter().chain(others).collect();
+        samples::explained(Problem::new(blocks, &prior), &about, watch)
     };
     let (mut problem, mut found, mut correlation) = explain(&data, request.motion, watch)?;
     let share = motion::said(&problem, &found.best);
@@ -583,7 +583,7 @@ fn with_data(request: &Request, problem: &Problem, found: &Explained) -> ModelFi
     let mut file = model_file(problem, &found.best);
     let logs = [&request.log].into_iter().chain(&request.then);
     file.data = logs
-        .zip(problem.blocks())
+        .zip(problem.blocks.iter())
         .filter_map(|(log, block)| {
             let summary = block.data.summary.as_ref()?;
             Some(DataUsed {
@@ -599,7 +599,7 @@ fn with_data(request: &Request, problem: &Problem, found: &Explained) -> ModelFi
 
 /// First and last time of all logs, s.
 fn times(problem: &Problem) -> Option<[f64; 2]> {
-    let blocks = problem.blocks();
+    let blocks = problem.blocks.iter();
     let known = blocks.filter_map(|block| block.data.summary.as_ref()?.times);
     known.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }

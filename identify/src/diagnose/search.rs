@@ -88,7 +88,7 @@ impl<'m> Search<'m> {
             }
             if depth > 1 {
                 // Wiring faults also occur together, and leave large gaps.
-                let large = criteria::WIRING_CHI2 * 2.0 * self.problem.first.data.len() as f64;
+                let large = criteria::WIRING_CHI2 * 2.0 * self.problem.first().data.len() as f64;
                 let gaps = beam.iter().filter(|f| f.objective > large);
                 let further = gaps
                     .take(criteria::WIRING_PARENTS)
@@ -140,11 +140,11 @@ impl<'m> Search<'m> {
 
     /// Fit a set of terms once.
     pub fn fit(&mut self, terms: &[Term], parent: Option<&Fit>) -> Fit {
-        let terms = sorted(&self.problem.first.context, terms);
+        let terms = sorted(&self.problem.first().context, terms);
         if let Some(fit) = self.known.get(&terms) {
             return fit.clone();
         }
-        let fit = fitted(&self.problem, &terms, parent);
+        let fit = self.problem.fit(&terms, parent, ALL);
         self.learn(terms, fit.clone());
         fit
     }
@@ -212,21 +212,20 @@ impl<'m> Search<'m> {
         let penalty = self.problem.penalty(std::slice::from_ref(&term));
         let predicted_score = match term {
             Term::Outliers => {
-                let outliers = Outliers::of(&parent.first.residual, None);
+                let outliers = Outliers::of(&parent.blocks[0].residual, None);
                 let root = outliers.root_weights(None);
-                let squares = parent
-                    .first
+                let squares = parent.blocks[0]
                     .residual
                     .iter()
                     .zip(&root)
                     .map(|(e, w)| (e * w).powi(2));
-                let mixture = outliers.objective(&parent.first.residual, None, squares.sum());
-                let plain = parent.first.residual.norm_squared();
+                let mixture = outliers.objective(&parent.blocks[0].residual, None, squares.sum());
+                let plain = parent.blocks[0].residual.norm_squared();
                 parent.score() + (mixture - plain) + penalty
             }
             _ => {
                 let wide = self.problem.masses(std::slice::from_ref(&term));
-                let tight = &self.problem.nuisance;
+                let tight = self.problem.masses(&[]);
                 let residual = parent.residual();
                 let left = |n: &Nuisance| residual.dot(&n.project_out_one(&residual));
                 let change = left(wide) + wide.log_det - left(tight) - tight.log_det;
@@ -293,7 +292,7 @@ impl<'m> Search<'m> {
             while next.len() < processors()
                 && let Some(proposal) = waiting.next()
             {
-                let terms = sorted(&self.problem.first.context, &proposal.terms);
+                let terms = sorted(&self.problem.first().context, &proposal.terms);
                 let is_known = self.known.contains_key(&terms)
                     || next.iter().any(|(others, _)| *others == terms);
                 if !is_known && !is_hopeless(&proposal, best) {
@@ -305,7 +304,7 @@ impl<'m> Search<'m> {
             }
             let problem = &*self.problem;
             let fits = each_long(&next, |(terms, proposal)| {
-                fitted(problem, terms, proposal.parent.as_ref())
+                problem.fit(terms, proposal.parent.as_ref(), ALL)
             });
             // As if one had been fitted after the other: what those before it made hopeless
             // is not known.
@@ -358,19 +357,9 @@ impl<'m> Search<'m> {
     }
 }
 
-/// The best fit of some terms, from wherever it may be begun.
-fn fitted(problem: &Problem, terms: &[Term], parent: Option<&Fit>) -> Fit {
-    let starts = problem.starts(terms, parent);
-    let fits = starts
-        .iter()
-        .map(|start| problem.fit(terms, Some(start), ALL));
-    fits.min_by(|a, b| a.objective.total_cmp(&b.objective))
-        .expect("there is a start")
-}
-
 fn with(problem: &Problem, terms: &[Term], more: &Term) -> Vec<Term> {
     sorted(
-        &problem.first.context,
+        &problem.first().context,
         &[terms, std::slice::from_ref(more)].concat(),
     )
 }
@@ -390,6 +379,6 @@ fn kinds(terms: &[Term]) -> Vec<&'static str> {
 fn ranks(problem: &Problem, terms: &[Term]) -> Vec<(usize, Target)> {
     terms
         .iter()
-        .map(|term| term.rank(&problem.first.context))
+        .map(|term| term.rank(&problem.first().context))
         .collect()
 }

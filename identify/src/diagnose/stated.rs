@@ -19,40 +19,18 @@
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use sesc_model::effects::{self, PostureContext};
 use sesc_model::tape::{Tape, Values};
 
 use super::criteria::stated::{AGREES, FLIPPED, GAIN, MOST, SHORTEST};
 use super::hypothesis::{CarriedExplanation, Term, effects_of};
-use super::problem::{ALL, Block, Fit, OnBlock, Problem, Weighting, backlash_sides};
+use super::problem::{ALL, Block, Fit, OnBlock, Problem, backlash_sides};
 use crate::evaluate::FASTEST;
 use crate::observations::postures::rms;
 
 /// Rounds, at most.
 const ROUNDS: usize = 12;
-
-/// Base parameters (m) at which a fit ends.
-pub(super) fn masses_of(problem: &Problem, fit: &Fit) -> Vec<f64> {
-    if let Some(masses) = &fit.masses {
-        return masses.clone();
-    }
-    let (factor, _) = problem.prior_of(&fit.terms);
-    moved(problem, factor * problem.mass_errors(fit, ALL))
-}
-
-/// Masses that CAD's usual tolerances and the residuals of a fit suggest, m.
-fn usual_masses(problem: &Problem, fit: &Fit) -> Vec<f64> {
-    let errors = problem
-        .masses(&[Term::Masses])
-        .posterior_mean(&fit.residual());
-    moved(problem, &problem.wide_prior * errors)
-}
-
-fn moved(problem: &Problem, shift: DVector<f64>) -> Vec<f64> {
-    let cad = problem.first.cad.iter().zip(shift.iter());
-    cad.map(|(r, d)| r + d).collect()
-}
 
 /// `problem` and `fit` about the masses at which the fit ends, as its file predicts them; `None`
 /// where the linear problem says the same.
@@ -66,10 +44,10 @@ pub(super) fn settle<'m>(problem: &Problem<'m>, fit: &Fit) -> Option<(Problem<'m
     if !loose && file.agrees(problem, fit) {
         return None;
     }
-    let mut best = file.filled(problem, fit.clone(), masses_of(problem, fit));
+    let mut best = file.filled(problem, fit.clone(), problem.params_of(fit));
     if loose && !problem.is_wider() {
         // A prior that holds no masses lets those of light links be anything.
-        let usual = file.filled(problem, fit.clone(), usual_masses(problem, fit));
+        let usual = file.filled(problem, fit.clone(), problem.usual_params(fit));
         if usual.misfit < best.misfit {
             best = usual;
         }
@@ -77,9 +55,9 @@ pub(super) fn settle<'m>(problem: &Problem<'m>, fit: &Fit) -> Option<(Problem<'m
     let (mut about, mut part) = (best.masses.clone(), 1.0);
     for _ in 0..ROUNDS {
         let own = file.linearised(problem, &best.fit, &about);
-        let next = own.fit(&fit.terms, Some(&best.fit.unknowns), ALL);
+        let next = own.fit(&fit.terms, Some(&best.fit), ALL);
         let settled = !loose && file.agrees(&own, &next);
-        let masses = masses_of(&own, &next);
+        let masses = own.params_of(&next);
         let next = file.filled(&own, next, masses.clone());
         if !loose || next.misfit < (1.0 - GAIN) * best.misfit {
             best = next;
@@ -122,7 +100,7 @@ struct OfBlock {
 
 impl FileModel {
     pub fn new(problem: &Problem, terms: &[Term]) -> FileModel {
-        let blocks = problem.blocks().map(|block| {
+        let blocks = problem.blocks.iter().map(|block| {
             let carried = problem.carried(block, terms);
             let effects = effects_of(&carried.terms);
             OfBlock {
@@ -139,7 +117,7 @@ impl FileModel {
     /// Block by block what the file predicts: per posture x, y (m), then how far into its dead
     /// band each joint is.
     fn run(&self, problem: &Problem, unknowns: &[f64], masses: &[f64]) -> Vec<Vec<f64>> {
-        let blocks = problem.blocks().zip(&self.blocks);
+        let blocks = problem.blocks.iter().zip(&self.blocks);
         blocks
             .map(|(block, own)| {
                 let masses = block.params_from_first(masses);
@@ -166,10 +144,10 @@ impl FileModel {
 
     /// Whether the masses at which a fit ends predict what its linear problem states.
     fn agrees(&self, problem: &Problem, fit: &Fit) -> bool {
-        let predicted = self.run(problem, &fit.unknowns, &masses_of(problem, fit));
+        let predicted = self.run(problem, &fit.unknowns, &problem.params_of(fit));
         let shift = problem.mass_shift_of(fit, ALL);
         let (mut apart, mut all) = (Vec::new(), Vec::new());
-        let blocks = problem.blocks().zip(fit.blocks()).zip(&self.blocks);
+        let blocks = problem.blocks.iter().zip(&fit.blocks).zip(&self.blocks);
         for (((block, on), own), (predicted, range)) in
             blocks.zip(predicted.iter().zip(problem.readings()))
         {
@@ -187,7 +165,7 @@ impl FileModel {
     /// The problem about masses `r` of the first block (m), its slopes under `fit`.
     fn linearised<'m>(&self, problem: &Problem<'m>, fit: &Fit, r: &[f64]) -> Problem<'m> {
         let contexts = problem.posture_contexts(Some(fit));
-        let blocks = problem.blocks().zip(&self.blocks).zip(&contexts);
+        let blocks = problem.blocks.iter().zip(&self.blocks).zip(&contexts);
         let blocks = blocks.map(|((block, own), context)| {
             let masses = block.params_from_first(r);
             let tape = own.by_masses.get_or_init(|| {
@@ -207,7 +185,7 @@ impl FileModel {
 
     fn filled(&self, problem: &Problem, fit: Fit, masses: Vec<f64>) -> Filled {
         let predicted = self.run(problem, &fit.unknowns, &masses);
-        let blocks = problem.blocks().zip(fit.blocks()).zip(&self.blocks);
+        let blocks = problem.blocks.iter().zip(&fit.blocks).zip(&self.blocks);
         let misfits = blocks
             .zip(&predicted)
             .map(|(((block, on), own), predicted)| {
@@ -239,7 +217,8 @@ impl FileModel {
         let mut contexts = Vec::new();
         let blocks = || {
             problem
-                .blocks()
+                .blocks
+                .iter()
                 .zip(&self.blocks)
                 .zip(&predicted)
                 .zip(&sides)
@@ -256,13 +235,8 @@ impl FileModel {
             }
             contexts.push(Cow::Owned(context));
         }
-        let root = problem.root_weights(&fit, ALL);
-        let weighting = Weighting {
-            contexts: &contexts,
-            root: root.as_deref(),
-            masses: &problem.masses_of(&fit, ALL),
-        };
-        let mut state = problem.state(&fit.terms, fit.unknowns.clone(), &weighting);
+        let weighting = problem.weighting(&fit.terms, fit.outliers.as_ref(), ALL);
+        let mut state = problem.state(&fit.terms, fit.unknowns.clone(), &contexts, &weighting);
         // Springs that give way while loose joints slide end a little elsewhere than springs
         // beside joints at rest: the file's own readings count.
         let on_blocks = state.blocks.iter_mut().zip(&contexts);
@@ -282,12 +256,10 @@ impl FileModel {
             };
         }
         let covariance = problem.covariance(&state, &problem.scales(&fit.terms), &weighting);
-        let mut blocks = state.blocks;
         Fit {
             covariance,
             unknowns: state.unknowns,
-            first: blocks.remove(0),
-            others: blocks,
+            blocks: state.blocks,
             at_bound: state.at_bound,
             masses: Some(masses),
             ..fit

@@ -39,8 +39,8 @@ pub(super) fn told(
         let rmse_before = if k == 0 { start.rmse } else { held[k - 1].rmse };
         let step = Step {
             effect: term.name(),
-            target: term.target_name(&problem.first.context),
-            acts_on: ActsOn::of(term, &problem.first.context),
+            target: term.target_name(&problem.first().context),
+            acts_on: ActsOn::of(term, &problem.first().context),
             parameters: values[at]
                 .iter()
                 .map(|v| {
@@ -53,13 +53,13 @@ pub(super) fn told(
                     )
                 })
                 .collect(),
-            fitted: term.fitted(&problem.first.context),
+            fitted: term.fitted(&problem.first().context),
             rmse_before,
             rmse_after: held[k].rmse,
             evidence: evidence[at],
             sentence: format!(
                 "{}: the held-out gap {} from {:.2} mm to {:.2} mm.",
-                capital(&words::clause(&problem.first.context, term, &values[at])),
+                capital(&words::clause(&problem.first().context, term, &values[at])),
                 if held[k].rmse > rmse_before {
                     "rises"
                 } else {
@@ -90,7 +90,7 @@ fn subjects(problem: &Problem, fit: &Fit) -> String {
     let each = fit
         .terms
         .iter()
-        .map(|term| term.subject(&problem.first.context));
+        .map(|term| term.subject(&problem.first().context));
     each.collect::<Vec<_>>().join(" with ")
 }
 
@@ -103,12 +103,12 @@ pub(super) fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
         .map(|fit| {
             let values = words::values(problem, fit);
             let clauses = fit.terms.iter().zip(&values);
-            let clauses = clauses.map(|(i, v)| words::clause(&problem.first.context, i, v));
+            let clauses = clauses.map(|(i, v)| words::clause(&problem.first().context, i, v));
             Member {
                 effects: fit
                     .terms
                     .iter()
-                    .map(|i| i.label(&problem.first.context))
+                    .map(|i| i.label(&problem.first().context))
                     .collect(),
                 score_difference: fit.score() - first,
                 sentence: capital(&clauses.collect::<Vec<_>>().join(", with ")),
@@ -140,14 +140,14 @@ pub(super) fn outliers(problem: &Problem, best: &Fit) -> Vec<i64> {
     let named = best.outliers.as_ref().map_or_else(Vec::new, |o| o.named());
     named
         .into_iter()
-        .map(|k| problem.first.data.pose[k])
+        .map(|k| problem.first().data.pose[k])
         .collect()
 }
 
 /// Joint offsets with the size from which this log shows them: those that it hardly shows, the
 /// largest first, and those of the joints that carry most of the mass, the smallest first.
 pub(super) fn detectable(problem: &Problem, visible: &[(Term, f64)]) -> (Vec<Blind>, Vec<Blind>) {
-    let context = &problem.first.context;
+    let context = &problem.first().context;
     let reach = context.robot.reach();
     let mut spots = Vec::new();
     for (term, chi2) in visible {

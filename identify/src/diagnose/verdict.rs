@@ -57,7 +57,7 @@ pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
         .terms
         .iter()
         .zip(&values)
-        .map(|(i, v)| words::clause(&problem.first.context, i, v))
+        .map(|(i, v)| words::clause(&problem.first().context, i, v))
         .collect();
     let others: Vec<String> = d
         .class
@@ -98,7 +98,7 @@ pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
             missing("most plainly ", &rest);
         }
         Verdict::TooShort => {
-            let [rows, directions] = problem.first.too_few().unwrap_or_default();
+            let [rows, directions] = problem.first().too_few().unwrap_or_default();
             said.push(format!(
                 "The log is too short: {rows} readings for {directions} directions of the masses leave \
                  too few to tell the noise from, so that it is not known whether something is \

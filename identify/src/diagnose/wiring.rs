@@ -14,12 +14,12 @@ use crate::lsq::factor_normal;
 use crate::threads::each_long;
 
 pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) -> Vec<Proposal> {
-    let context = &problem.first.context;
+    let context = &problem.first().context;
     let contexts = problem.posture_contexts(None);
     let with_best = each_long(faults, |fault| {
         let own = std::slice::from_ref(fault);
         let residual = residual(problem, (&[], &[]), &contexts, fault);
-        let left = problem.project_out_one(&problem.nuisance, &residual);
+        let left = problem.project_out_one(problem.masses(&[]), &residual);
         let penalty = problem.penalty(own);
         let predicted_score = residual.dot(&left) + penalty;
         if !predicted_score.is_finite() {
@@ -65,7 +65,7 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) ->
 /// Further faults beside a hypothesis that leaves a large gap: its unknowns stay,
 /// but for what a linear step of theirs takes.
 pub fn beside(problem: &Problem, parent: &Fit, faults: &[Term]) -> Vec<Proposal> {
-    let context = &problem.first.context;
+    let context = &problem.first().context;
     let contexts = problem.posture_contexts(Some(parent));
     let further = faults.iter().filter(|fault| !parent.terms.contains(fault));
     let known = (&parent.terms[..], &parent.unknowns[..]);
@@ -87,10 +87,10 @@ pub fn beside(problem: &Problem, parent: &Fit, faults: &[Term]) -> Vec<Proposal>
 /// Effects without unknowns; of very many in a long log those that come first on some of its
 /// postures.
 pub fn faults(problem: &Problem) -> Vec<Term> {
-    let context = &problem.first.context;
+    let context = &problem.first().context;
     let mut all = effect_terms(context);
     all.retain(|term| term.unknowns(context) == 0);
-    let postures: usize = problem.blocks().map(|block| block.data.len()).sum();
+    let postures: usize = problem.blocks.iter().map(|block| block.data.len()).sum();
     let every = (all.len() * postures).div_ceil(criteria::WIRING_WORK);
     if every < 2 {
         return all;
@@ -111,10 +111,8 @@ fn scores<'f>(
     faults: impl IntoIterator<Item = &'f Term>,
 ) -> Vec<(&'f Term, f64)> {
     let masses = problem.masses(terms);
-    let own = stacked_slopes(
-        problem.predict(terms, unknowns, contexts, None).iter(),
-        unknowns.len(),
-    );
+    let predicted = problem.predict(terms, unknowns, contexts, None);
+    let own = stacked_slopes(&predicted, unknowns.len());
     let left = problem.project_out(masses, &own);
     let factor = factor_normal(own.tr_mul(&left));
     let scores = each_long(faults, |fault| {
@@ -134,14 +132,18 @@ fn residual(
     contexts: &[Cow<[f64]>],
     fault: &Term,
 ) -> DVector<f64> {
-    let rewired = problem.blocks().map(|block| {
+    let rewired = problem.blocks.iter().map(|block| {
         let own = problem.carried(block, std::slice::from_ref(fault));
         block.rewired(&own.terms)
     });
     let (q, rewires): (Vec<Vec<f64>>, Vec<Rewire>) = rewired.unzip();
     let mut predicted = problem.predict(terms, unknowns, contexts, Some(&q));
-    for ((on, block), rewire) in predicted.iter_mut().zip(problem.blocks()).zip(&rewires) {
+    for ((on, block), rewire) in predicted
+        .iter_mut()
+        .zip(problem.blocks.iter())
+        .zip(&rewires)
+    {
         on.residual = Arc::new(block.residual(&rewire.readings(&on.predicted)));
     }
-    stacked_residual(predicted.iter())
+    stacked_residual(&predicted)
 }

@@ -23,7 +23,7 @@ pub struct Sides {
 /// The side of every slack joint in every posture of each block: gravity's, and where that is
 /// nearly even and the unknowns are `fitted`, the reading's.
 pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fitted: bool) -> Vec<Sides> {
-    let blocks = problem.blocks().map(|block| {
+    let blocks = problem.blocks.iter().map(|block| {
         let own = problem.carried(block, terms);
         let given = own.unknowns(unknowns);
         (block, own.terms, given)
@@ -37,7 +37,7 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fitted: bool)
         let contexts = sides.iter().map(|own| own.posture_context[..].into());
         let contexts: Vec<Cow<[f64]>> = contexts.collect();
         let predicted = problem.predict(terms, unknowns, &contexts, None);
-        let residual = stacked_residual(predicted.iter());
+        let residual = stacked_residual(&predicted);
         let unexplained = problem.masses(terms).project_out_one(&residual);
         let own = sides
             .iter_mut()

@@ -22,7 +22,7 @@ use sesc_model::standard::Shift;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
-use super::left_by_masses;
+use super::without;
 use crate::diagnose::hypothesis::{Term, effects_of, with_places};
 use crate::evaluate::{Evaluator, FASTEST};
 use crate::feet::{Closure, OtherFoot, ROWS};
@@ -43,7 +43,7 @@ pub struct Block<'m> {
     /// Those about which readings are linear in masses: CAD's, or where a fit ended.
     pub params: Vec<f64>,
     /// Whitened shift of readings from `params` back to CAD's, where they differ.
-    pub(super) offset: Option<DVector<f64>>,
+    pub(in crate::diagnose) offset: Option<DVector<f64>>,
     /// 1/σ per reading.
     pub weight: Vec<f64>,
     /// Factor of each axis's noise for the correlation of its readings in time.
@@ -122,7 +122,9 @@ impl<'m> Block<'m> {
                 .iter()
                 .flat_map(|moved| moved.shift.iter().flatten());
             out.iter_mut().zip(moved).for_each(|(cop, by)| *cop += by);
-            let (left, taken) = left_by_masses(&rows, &data.reading, &out);
+            let gap = DVector::from_fn(out.len(), |row, _| data.reading[row] - out[row]);
+            // Noise, and whatever else is in the log.
+            let (left, taken) = without(&rows, gap);
             data.take_noise(&left, taken);
         }
         Block {
@@ -177,15 +179,9 @@ impl<'m> Block<'m> {
     {
         let (cells, times) = (&self.data.cells, self.data.motion.is_some());
         Block {
-            cad: model.cad_params(),
             params: model.cad_params(),
-            offset: None,
-            widened: [1.0; 2],
-            lasting: [None; 2],
             context: EffectContext::new(model, cells, times, self.context.catalog.clone()),
             model,
-            motion_rows: None,
-            closure: None,
             tapes: Arc::default(),
             ..self.clone()
         }

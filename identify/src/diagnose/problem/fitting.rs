@@ -13,7 +13,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use super::backlash_sides::{self, Sides};
-use super::{Block, Closed, Fit, OnBlock, Problem, RowSelection};
+use super::{Block, Closed, Fit, OnBlock, Problem};
 use super::{stacked_residual, stacked_slopes};
 use crate::diagnose::hypothesis::{Term, with_places};
 use crate::diagnose::nuisance::Nuisance;
@@ -27,28 +27,24 @@ const STARTS: usize = 8;
 const ROUNDS: usize = 4;
 
 impl Problem<'_> {
-    /// Fit a hypothesis from where its unknowns may start.
-    pub fn fit(&self, terms: &[Term], start: Option<&[f64]>, rows: RowSelection) -> Fit {
-        let starts = match start {
-            Some(start) => vec![start.to_vec()],
-            None => self.starts(terms, None),
-        };
-        let fits = starts
-            .into_iter()
-            .map(|start| self.fit_from(terms, start, rows));
+    /// The best fit of a hypothesis from wherever it may be begun, to the postures of the first
+    /// block that it may `keep`.
+    pub fn fit(&self, terms: &[Term], parent: Option<&Fit>, keep: Option<&[bool]>) -> Fit {
+        let starts = self.starts(terms, parent).into_iter();
+        let fits = starts.map(|start| self.fit_from(terms, start, keep));
         fits.min_by(|a, b| a.objective.total_cmp(&b.objective))
             .expect("there is a start")
     }
 
     /// Where unknowns may start: every start of what is new, beside what `parent` found
     /// of the others.
-    pub fn starts(&self, terms: &[Term], parent: Option<&Fit>) -> Vec<Vec<f64>> {
+    fn starts(&self, terms: &[Term], parent: Option<&Fit>) -> Vec<Vec<f64>> {
         let mut starts = vec![Vec::new()];
         for term in terms {
-            let found = parent.and_then(|fit| fit.unknowns_of(&self.first.context, term));
+            let found = parent.and_then(|fit| fit.unknowns_of(&self.first().context, term));
             let own = match found {
                 Some(own) => vec![own.to_vec()],
-                None => term.starts(&self.first.context),
+                None => term.starts(&self.first().context),
             };
             let longer = |before: &Vec<f64>| -> Vec<Vec<f64>> {
                 own.iter()
@@ -61,7 +57,7 @@ impl Problem<'_> {
         starts
     }
 
-    fn fit_from(&self, terms: &[Term], start: Vec<f64>, rows: RowSelection) -> Fit {
+    pub fn fit_from(&self, terms: &[Term], start: Vec<f64>, keep: Option<&[bool]>) -> Fit {
         let slack = terms.iter().any(|term| term.dead_band().is_some());
         let outlying = terms.contains(&Term::Outliers);
         let mut unknowns = start;
@@ -81,7 +77,8 @@ impl Problem<'_> {
                     fit.is_some(),
                 ));
             }
-            let next = self.descend(terms, unknowns.clone(), sides.as_deref(), &outliers, rows);
+            let held = (sides.as_deref(), outliers.as_ref());
+            let next = self.descend(terms, unknowns.clone(), held, keep);
             let done = match &fit {
                 Some(before) => (before.objective - next.objective).abs() < SETTLED,
                 None => false,
@@ -96,14 +93,14 @@ impl Problem<'_> {
             }
             if outlying {
                 let fit = fit.as_ref().expect("set above");
-                outliers = Some(Outliers::of(&fit.first.residual, rows.keep));
+                outliers = Some(Outliers::of(&fit.blocks[0].residual, keep));
             }
         }
         fit.expect("at least one round")
     }
 
     fn widen(&self, terms: &[Term], unknowns: &mut [f64]) {
-        for (term, own) in with_places(terms, &self.first.context) {
+        for (term, own) in with_places(terms, &self.first().context) {
             let at = own.start;
             if let (Some(width), true) = (term.dead_band(), unknowns.get(at) == Some(&0.0)) {
                 unknowns[at] = width;
@@ -116,9 +113,8 @@ impl Problem<'_> {
         &self,
         terms: &[Term],
         start: Vec<f64>,
-        sides: Option<&[Sides]>,
-        outliers: &Option<Outliers>,
-        rows: RowSelection,
+        (sides, outliers): (Option<&[Sides]>, Option<&Outliers>),
+        keep: Option<&[bool]>,
     ) -> Fit {
         let contexts = match sides {
             Some(sides) => sides
@@ -127,22 +123,12 @@ impl Problem<'_> {
                 .collect(),
             None => self.posture_contexts(None),
         };
-        let mut root = rows.root(outliers.as_ref());
-        root.iter_mut()
-            .for_each(|root| root.resize(self.height(), 1.0));
-        let masses = self.masses(terms);
-        let reweighted = root.as_ref().map(|root| masses.reweighted(root));
-        let masses = reweighted.as_ref().unwrap_or(masses);
-        let weighting = Weighting {
-            contexts: &contexts,
-            root: root.as_deref(),
-            masses,
-        };
+        let weighting = self.weighting(terms, outliers, keep);
         let scales = self.scales(terms);
-        let expand = |unknowns| self.state(terms, unknowns, &weighting);
+        let expand = |unknowns| self.state(terms, unknowns, &contexts, &weighting);
         let state = damped::minimise(expand(start), &scales, expand);
         let covariance = self.covariance(&state, &scales, &weighting);
-        let mut objective = state.value + masses.log_det - self.nuisance.log_det;
+        let mut objective = state.value + weighting.masses.log_det - self.masses(&[]).log_det;
         objective += sides
             .iter()
             .copied()
@@ -151,12 +137,12 @@ impl Problem<'_> {
             .sum::<f64>();
         if let Some(outliers) = outliers {
             let residual = &state.blocks[0].residual;
-            objective = outliers.objective(residual, rows.keep, objective);
+            objective = outliers.objective(residual, keep, objective);
         }
         let mut blocks = state.blocks;
         let settled = blocks
             .iter_mut()
-            .zip(self.blocks())
+            .zip(&self.blocks)
             .zip(sides.unwrap_or_default());
         for ((own, block), sides) in settled {
             own.sides = Some(block.sides_of(&sides.posture_context));
@@ -168,9 +154,8 @@ impl Problem<'_> {
             unknowns: state.unknowns,
             covariance,
             objective,
-            first: blocks.remove(0),
-            others: blocks,
-            outliers: outliers.clone(),
+            blocks,
+            outliers: outliers.cloned(),
             at_bound: state.at_bound,
             masses: None,
         }
@@ -202,16 +187,16 @@ impl Problem<'_> {
     fn lasting_spread(&self, state: &State, weighting: &Weighting) -> Option<DMatrix<f64>> {
         let lasts =
             |block: &Block| block.data.t.is_some() && block.lasting.iter().any(Option::is_some);
-        if !self.blocks().any(lasts) {
+        if !self.blocks.iter().any(lasts) {
             return None;
         }
         let unknowns = state.unknowns.len();
-        let mut z = stacked_slopes(state.blocks.iter(), unknowns);
+        let mut z = stacked_slopes(&state.blocks, unknowns);
         weighting.weigh(&mut z);
         z = weighting.masses.project_out(&z);
         weighting.weigh(&mut z);
         let mut spread = DMatrix::zeros(unknowns, unknowns);
-        for (block, range) in self.blocks().zip(self.readings()) {
+        for (block, range) in self.blocks.iter().zip(self.readings()) {
             let Some(t) = &block.data.t else { continue };
             for (axis, process) in block.lasting.iter().enumerate() {
                 let Some(process) = process else { continue };
@@ -226,7 +211,7 @@ impl Problem<'_> {
     pub fn scales(&self, terms: &[Term]) -> Vec<f64> {
         terms
             .iter()
-            .flat_map(|term| term.scales(&self.first.context))
+            .flat_map(|term| term.scales(&self.first().context))
             .collect()
     }
 
@@ -238,7 +223,7 @@ impl Problem<'_> {
         contexts: &[Cow<[f64]>],
         q: Option<&[Vec<f64>]>,
     ) -> Vec<OnBlock> {
-        let blocks = self.blocks().zip(contexts).enumerate();
+        let blocks = self.blocks.iter().zip(contexts).enumerate();
         blocks
             .map(|(at, (block, context))| {
                 let own = self.carried(block, terms);
@@ -257,9 +242,9 @@ impl Problem<'_> {
                 OnBlock {
                     predicted: Arc::new(predicted),
                     residual: Arc::new(residual),
-                    slopes: Arc::new(own.by_unknowns(slopes, unknowns.len())),
+                    slopes: Arc::new(own.by_unknowns(&slopes, unknowns.len())),
                     closed: closed.map(|closed| Closed {
-                        slopes: own.by_unknowns(closed.slopes, unknowns.len()),
+                        slopes: own.by_unknowns(&closed.slopes, unknowns.len()),
                         ..closed
                     }),
                     sides: None,
@@ -274,15 +259,16 @@ impl Problem<'_> {
         &self,
         terms: &[Term],
         unknowns: Vec<f64>,
+        contexts: &[Cow<[f64]>],
         weighting: &Weighting,
     ) -> State {
-        let blocks = self.predict(terms, &unknowns, weighting.contexts, None);
+        let blocks = self.predict(terms, &unknowns, contexts, None);
         let width = unknowns.len();
         // Slopes, and residuals behind them: masses are taken from all of them at once.
-        let mut rows = stacked_slopes(blocks.iter(), width).insert_column(width, 0.0);
-        rows.set_column(width, &stacked_residual(blocks.iter()));
+        let mut rows = stacked_slopes(&blocks, width).insert_column(width, 0.0);
+        rows.set_column(width, &stacked_residual(&blocks));
         weighting.weigh(&mut rows);
-        let left = self.project_out(weighting.masses, &rows);
+        let left = self.project_out(&weighting.masses, &rows);
         let products = transposed_times(&rows, &left);
         let mut state = State {
             value: products[(width, width)],
@@ -313,12 +299,12 @@ impl Problem<'_> {
 
     /// Each bound that is crossed, with its slope by the unknowns.
     fn walls(&self, terms: &[Term], unknowns: &[f64], mut each: impl FnMut(f64, &[f64])) {
-        for (term, places) in with_places(terms, &self.first.context) {
+        for (term, places) in with_places(terms, &self.first().context) {
             let own = &unknowns[places.clone()];
-            let violation = |x: &[f64]| term.bound_violation(&self.first.context, x);
+            let violation = |x: &[f64]| term.bound_violation(&self.first().context, x);
             let now = violation(own);
             if now.iter().any(|x| *x > 0.0) {
-                let scales = term.scales(&self.first.context);
+                let scales = term.scales(&self.first().context);
                 let mut slopes = vec![vec![0.0; unknowns.len()]; now.len()];
                 for k in 0..own.len() {
                     let mut moved = own.to_vec();
@@ -338,18 +324,17 @@ impl Problem<'_> {
     }
 }
 
-/// What is held while unknowns are fitted.
+/// How rows count while unknowns are fitted.
 pub(in crate::diagnose) struct Weighting<'w> {
-    /// What is known of the postures of each block.
-    pub contexts: &'w [Cow<'w, [f64]>],
     /// Root of the weight of each row; none where all count alike.
-    pub root: Option<&'w [f64]>,
-    pub masses: &'w Nuisance,
+    pub root: Option<Vec<f64>>,
+    /// The masses' directions in rows that count so.
+    pub masses: Cow<'w, Nuisance>,
 }
 
 impl Weighting<'_> {
-    fn weigh(&self, rows: &mut DMatrix<f64>) {
-        let roots = self.root.into_iter().flatten().enumerate();
+    pub fn weigh(&self, rows: &mut DMatrix<f64>) {
+        let roots = self.root.iter().flatten().enumerate();
         roots.for_each(|(row, root)| rows.row_mut(row).scale_mut(*root));
     }
 }

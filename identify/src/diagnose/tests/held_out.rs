@@ -54,7 +54,7 @@ fn stretches_of_time_are_held_out() {
     let mut timed = bench.problem(data, "tight");
     let stretches = |count: usize| -> Vec<usize> { (0..100).map(|k| k * count / 100).collect() };
     assert_eq!(parts(&timed), stretches(20));
-    timed.first.widened = [1.0, 3.0];
+    timed.blocks[0].widened = [1.0, 3.0];
     assert_eq!(parts(&timed), stretches(5));
 }
 
@@ -130,7 +130,7 @@ fn the_numbers_are_those_of_the_errors_and_the_same_every_time() {
     let by_hand: Vec<f64> = q
         .chunks(2)
         .flat_map(|q| bench.world().cop(q))
-        .zip(&problem.first.data.reading)
+        .zip(&problem.first().data.reading)
         .map(|(cop, y)| y - cop)
         .collect();
     let mean = |axis: usize| by_hand.iter().skip(axis).step_by(2).sum::<f64>() / 30.0;

@@ -59,11 +59,8 @@ fn taken<'m>(model: &'m Model, world: &World, q: &[f64], seed: u64) -> Problem<'
     let reading: Vec<f64> = cop.map(|x| x + NOISE * gauss()).collect();
     let data = Postures::given(model.dof(), q, &reading, NOISE, 0.0);
     let prior = Prior::named("tight", model).unwrap();
-    Problem::new(
-        Block::new(model, data, None, &Catalog::standard()),
-        Vec::new(),
-        &prior,
-    )
+    let block = Block::new(model, data, None, &Catalog::standard());
+    Problem::new(vec![block], &prior)
 }
 
 #[test]
@@ -92,7 +89,7 @@ fn the_first_experiment_splits_the_class() {
             let world = World::new(&bench.twin, support).unwrap();
             let world = hide(world, &label, offset, &experiment);
             let further = taken(&model, &world, q, 500 + seed);
-            let log = bench.problem(problem.first.data.clone(), "tight");
+            let log = bench.problem(problem.first().data.clone(), "tight");
             let mut both = together(&log, &further, experiment);
             let after = find(&mut both, &about(), &mut ()).unwrap();
             let after = after.diagnosis.indistinguishable;
@@ -187,7 +184,7 @@ fn logs_share_the_masses_of_what_is_stated() {
     };
     let stated = |mut problem: Problem| {
         let found = find(&mut problem, &about(), &mut ()).unwrap();
-        assert!(!problem.is_about_cad(), "masses of CAD predict it");
+        assert!(problem.first().offset.is_some(), "masses of CAD predict it");
         let steps = found.diagnosis.steps;
         let knee = steps.iter().find(|step| step.target == "r_knee");
         let knee = knee.unwrap_or_else(|| panic!("{}", found.diagnosis.sentence));

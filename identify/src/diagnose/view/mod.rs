@@ -160,7 +160,7 @@ fn used(q: &[f64], dof: usize) -> Vec<[f64; 2]> {
 
 impl DiagnosisView {
     pub(crate) fn of(problem: &Problem, found: &Explained, skeleton: Skeleton) -> DiagnosisView {
-        let data = &problem.first.data;
+        let data = &problem.first().data;
         let mut outlier = vec![false; data.len()];
         if let Some(outliers) = &found.best.outliers {
             outliers.named().into_iter().for_each(|k| outlier[k] = true);
@@ -171,10 +171,10 @@ impl DiagnosisView {
             outlier,
         };
         let rest = found.diagnosis.unexplained;
-        let context = &problem.first.context;
-        let (chi2, chi2_readings) = residuals.chi2(&problem.first.weight);
+        let context = &problem.first().context;
+        let (chi2, chi2_readings) = residuals.chi2(&problem.first().weight);
         DiagnosisView {
-            used: used(&data.q, problem.first.model.dof()),
+            used: used(&data.q, problem.first().model.dof()),
             cells: data.cells.clone(),
             skeleton,
             chi2,
@@ -210,8 +210,8 @@ pub fn chosen(n: usize, most: usize) -> Vec<usize> {
 }
 
 fn postures(problem: &Problem, residuals: &Residuals) -> Vec<Posture> {
-    let data = &problem.first.data;
-    let dof = problem.first.model.dof();
+    let data = &problem.first().data;
+    let dof = problem.first().model.dof();
     let of = |k: usize| {
         let measured = [0, 1].map(|axis| data.reading[2 * k + axis]);
         let less = |errors: &[f64]| [0, 1].map(|axis| measured[axis] - errors[2 * k + axis]);
@@ -250,7 +250,7 @@ fn differences(problem: &Problem, class: &[Fit]) -> Vec<Vec<f64>> {
     };
     let apart = held_out::apart(problem, best);
     let between = |a: &[f64], b: &[f64]| {
-        let entries = a.iter().zip(b).zip(&problem.first.weight).enumerate();
+        let entries = a.iter().zip(b).zip(&problem.first().weight).enumerate();
         let kept = entries.filter(|(row, _)| !apart[row / 2]);
         rms(kept.map(|(_, ((a, b), w))| (a - b) * w))
     };
