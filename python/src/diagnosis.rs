@@ -189,7 +189,7 @@ impl DiagnosisReport {
         let dof = next.dofs.len();
         let q = PyArray1::from_slice(py, &next.q).reshape([next.q.len() / dof.max(1), dof])?;
         let ranks = next.ranks.iter().map(|rank| *rank as i64);
-        let experiment = next.experiment.as_ref().map(|e| e.name());
+        let experiment = Some(next.experiment.name());
         let ranks = PyArray1::from_iter(py, ranks);
         Ok(Some((next.support.clone(), experiment, q, ranks)))
     }

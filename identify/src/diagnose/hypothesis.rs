@@ -233,6 +233,8 @@ pub(super) struct CarriedExplanation {
     pub terms: Vec<Term>,
     /// Each of their unknowns: which one of the log's it is, and its sign.
     pub columns: Vec<(usize, f64)>,
+    /// Values of a last term that is known: of a weight that is carried.
+    pub known: Vec<f64>,
 }
 
 impl CarriedExplanation {
@@ -248,7 +250,8 @@ impl CarriedExplanation {
 
     pub fn unknowns(&self, of_log: &[f64]) -> Vec<f64> {
         let columns = self.columns.iter();
-        columns.map(|(k, sign)| sign * of_log[*k]).collect()
+        let own = columns.map(|(k, sign)| sign * of_log[*k]);
+        own.chain(self.known.iter().copied()).collect()
     }
 }
 
@@ -274,6 +277,7 @@ pub(super) fn carried(
     let mut carried = CarriedExplanation {
         terms: Vec::new(),
         columns: Vec::new(),
+        known: Vec::new(),
     };
     for (term, own) in with_places(terms, here) {
         let (there, carry) = match experiment {

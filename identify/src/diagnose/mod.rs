@@ -19,7 +19,6 @@ mod leftover;
 mod model_check;
 mod model_file;
 mod motion;
-mod next_postures;
 mod next_steps;
 mod noise;
 mod nuisance;
@@ -44,6 +43,7 @@ pub mod words;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub use criteria::{CLASS_SCORE, FLOOR_M, OVER_NOTHING};
+pub use experiment::NextLog;
 pub use findings::{
     ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Gap, Last, Leftover, Member, ModelOnLog,
     NextPostures, Quantity, Remedy, Step, Suspect, UrdfChange, Verdict,
@@ -51,5 +51,5 @@ pub use findings::{
 pub(crate) use hypothesis::FREE_MASSES;
 #[doc(hidden)]
 pub use hypothesis::{MODEL_PAGES, subject};
-pub use report::{NextLog, Report};
+pub use report::Report;
 pub use request::{Request, diagnose, look};

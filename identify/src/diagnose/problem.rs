@@ -201,12 +201,6 @@ impl<'m> Problem<'m> {
         })
     }
 
-    /// Those of all rows that are of readings.
-    pub(super) fn of_readings(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
-        let own = self.readings().map(|range| rows.rows_range(range));
-        below(&own.collect::<Vec<_>>(), rows.ncols())
-    }
-
     /// Rows of all blocks.
     pub(super) fn height(&self) -> usize {
         self.blocks.iter().map(Block::height).sum()

@@ -18,11 +18,10 @@ use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 use super::corrected_urdf;
 use super::findings::{About, Explained, NextPostures, Verdict};
 use super::model_file::model_file;
-use super::next_postures;
 use super::problem::{Block, Problem};
 use super::recording;
 use super::remedy::{self, Servo};
-use super::report::{Report, next_log};
+use super::report::Report;
 use super::view::DiagnosisView;
 use super::{closure, experiment, model_check, motion, noise, samples, verdict};
 use crate::feet::{Feet, Places};
@@ -272,14 +271,18 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     found.diagnosis.health.extend(overstated);
     let meshes = request.meshes.as_deref();
     found.diagnosis.times = times(&problem);
-    let next = next_postures::next(&problem, &found, robot, request.snapping, meshes);
+    let name = sidecar.robot.as_deref().unwrap_or(&model.tree.robot);
+    let named = (&**robot, name);
+    let proposed = experiment::proposed(&problem, &found, named, request.snapping, meshes);
+    let why = experiment::why(&proposed, &found);
+    let (experiments, logs): (Vec<_>, Vec<_>) = proposed.into_iter().unzip();
+    let tells = experiments.first().is_some_and(|best| best.splits > 0);
+    let next = logs.into_iter().next().filter(|_| tells);
+    let file = next.as_ref().and(request.next_file.as_ref());
     found.diagnosis.next_postures = NextPostures {
-        why: next_postures::why(&next, &found),
-        file: next
-            .telling()
-            .and(request.next_file.as_ref())
-            .map(|path| path.display().to_string()),
-        experiments: next.proposals.clone(),
+        file: file.map(|path| path.display().to_string()),
+        why,
+        experiments,
     };
     let corrected = request
         .corrected_urdf
@@ -311,11 +314,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             DiagnosisView::of(&problem, &found, skeleton)
         }),
         recording: request.recording.then(|| recording::of(&problem, &found)),
-        next: next_log(
-            next,
-            &model,
-            sidecar.robot.as_deref().unwrap_or(&model.tree.robot),
-        ),
+        next,
         notes: model.tree.notes.clone(),
         diagnosis: found.diagnosis,
     })

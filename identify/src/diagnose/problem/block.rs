@@ -22,8 +22,8 @@ use sesc_model::standard::Shift;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
-use super::without;
-use crate::diagnose::hypothesis::{Term, effects_of, with_places};
+use super::{OnBlock, without};
+use crate::diagnose::hypothesis::{CarriedExplanation, Term, effects_of, with_places};
 use crate::evaluate::{Evaluator, FASTEST};
 use crate::feet::{Closure, OtherFoot, ROWS};
 use crate::observations::correlation::Process;
@@ -183,6 +183,31 @@ impl<'m> Block<'m> {
             context: EffectContext::new(model, cells, times, self.context.catalog.clone()),
             model,
             tapes: Arc::default(),
+            ..self.clone()
+        }
+    }
+
+    /// The robot of this block at other postures `q`, or at its own, before any reading is taken:
+    /// each will be known to `noise` (m).
+    pub(in crate::diagnose) fn at(&self, q: Option<&[f64]>, noise: f64) -> Block<'m> {
+        let mut data = self.data.clone();
+        if let Some(q) = q {
+            let n = q.len() / self.model.dof();
+            data.pose = vec![0; n];
+            data.posture_context = vec![0.0; n * PostureContext::of(self.model).len()];
+            data.q = q.to_vec();
+        }
+        let n = data.len();
+        data.reading = vec![0.0; 2 * n];
+        let rows = Evaluator::new(self.model, Function::RegressorCop).run(&data.q, n);
+        let params = self.model.base.params.len();
+        Block {
+            weight: vec![1.0 / noise; 2 * n],
+            rows: Arc::new(DMatrix::from_row_slice(2 * n, params, &rows)),
+            data,
+            offset: None,
+            motion_rows: None,
+            closure: None,
             ..self.clone()
         }
     }
@@ -348,6 +373,39 @@ impl<'m> Block<'m> {
     ) -> Vec<f64> {
         let tapes = self.tapes(terms);
         self.run(&tapes.reading, q, unknowns, posture_context)
+    }
+
+    /// What an explanation predicts at joint positions `q`, with slopes by the unknowns of the
+    /// first block.
+    pub(in crate::diagnose) fn predict(
+        &self,
+        own: &CarriedExplanation,
+        unknowns: &[f64],
+        q: &[f64],
+        posture_context: &[f64],
+    ) -> OnBlock {
+        let (given, count) = (own.unknowns(unknowns), unknowns.len());
+        let out = self.evaluate(&own.terms, &given, q, posture_context);
+        let width = given.len() + 1;
+        let rows = out.len() / width;
+        let predicted: Vec<f64> = (0..rows)
+            .map(|row| self.of_cad(row, out[row * width]))
+            .collect();
+        let slopes = DMatrix::from_fn(rows, given.len(), |row, k| {
+            out[row * width + 1 + k] * self.weight[row]
+        });
+        let closed = self.closed(&own.terms, &given, q, posture_context);
+        OnBlock {
+            residual: Arc::new(self.residual(&predicted)),
+            predicted: Arc::new(predicted),
+            slopes: Arc::new(own.by_unknowns(&slopes, count)),
+            closed: closed.map(|closed| Closed {
+                slopes: own.by_unknowns(&closed.slopes, count),
+                ..closed
+            }),
+            sides: None,
+            flipped: Vec::new(),
+        }
     }
 
     /// Moments (m) and slopes of the reading by joint at positions `q`: 3 × dof per posture.

@@ -8,12 +8,11 @@
 //! symbolic derivatives of the measurement.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::backlash_sides::{self, Sides};
-use super::{Block, Closed, Fit, OnBlock, Problem};
+use super::{Block, Fit, OnBlock, Problem};
 use super::{stacked_residual, stacked_slopes};
 use crate::diagnose::hypothesis::{Term, with_places};
 use crate::diagnose::nuisance::Nuisance;
@@ -224,34 +223,12 @@ impl Problem<'_> {
         q: Option<&[Vec<f64>]>,
     ) -> Vec<OnBlock> {
         let blocks = self.blocks.iter().zip(contexts).enumerate();
-        blocks
-            .map(|(at, (block, context))| {
-                let own = self.carried(block, terms);
-                let given = own.unknowns(unknowns);
-                let q = q.map_or(&block.data.q, |q| &q[at]);
-                let out = block.evaluate(&own.terms, &given, q, context);
-                let width = given.len() + 1;
-                let rows = 2 * block.data.len();
-                let predicted = (0..rows).map(|row| block.of_cad(row, out[row * width]));
-                let predicted: Vec<f64> = predicted.collect();
-                let residual = block.residual(&predicted);
-                let slopes = DMatrix::from_fn(rows, given.len(), |row, k| {
-                    out[row * width + 1 + k] * block.weight[row]
-                });
-                let closed = block.closed(&own.terms, &given, q, context);
-                OnBlock {
-                    predicted: Arc::new(predicted),
-                    residual: Arc::new(residual),
-                    slopes: Arc::new(own.by_unknowns(&slopes, unknowns.len())),
-                    closed: closed.map(|closed| Closed {
-                        slopes: own.by_unknowns(&closed.slopes, unknowns.len()),
-                        ..closed
-                    }),
-                    sides: None,
-                    flipped: Vec::new(),
-                }
-            })
-            .collect()
+        let predicted = blocks.map(|(at, (block, context))| {
+            let own = self.carried(block, terms);
+            let q = q.map_or(&block.data.q, |q| &q[at]);
+            block.predict(&own, unknowns, q, context)
+        });
+        predicted.collect()
     }
 
     /// The likelihood at given unknowns, bounds as walls.

@@ -8,7 +8,7 @@ use super::OP2_URDF;
 use super::{Bench, NOISE, about, diagnosed, gauss, term, together};
 use crate::diagnose::criteria::{CLASS_SCORE, TOLD_APART};
 use crate::diagnose::diagnosis::find;
-use crate::diagnose::next_postures::{OnFoot, next};
+use crate::diagnose::experiment::{NextLog, proposed};
 use crate::diagnose::problem::{ALL, Block, Problem};
 use crate::fit::prior::Prior;
 use crate::observations::postures::Postures;
@@ -82,9 +82,11 @@ fn the_first_experiment_splits_the_class() {
             if before.len() < 2 || !before.contains(&truth) {
                 continue;
             }
-            let next = next(&problem, &found, &robot, Snapping::default(), None);
-            let experiment = next.experiment.unwrap();
-            let OnFoot { support, q, .. } = next.postures.as_ref().unwrap();
+            let named = (&robot, "op2");
+            let (best, next) =
+                proposed(&problem, &found, named, Snapping::default(), None).swap_remove(0);
+            let NextLog { support, q, .. } = &next;
+            let experiment = next.experiment;
             let model = robot.model(support, Snapping::default(), None).unwrap();
             let world = World::new(&bench.twin, support).unwrap();
             let world = hide(world, &label, offset, &experiment);
@@ -95,7 +97,7 @@ fn the_first_experiment_splits_the_class() {
             let after = after.diagnosis.indistinguishable;
             let gone = before.iter().filter(|rival| !after.contains(rival)).count();
             let remains = after.contains(&truth);
-            let said = next.proposals[0].splits;
+            let said = best.splits;
             asked += 1;
             split += usize::from(remains && gone > 0);
             as_said += usize::from(remains && gone >= said);
