@@ -142,8 +142,9 @@ pub const MOMENT_CERTAIN: f64 = 2.0;
 
 // Outliers.
 
-/// No more postures than this part can be outliers while they are looked for. Chosen: it is a
-/// little above [`OUTLIER_SHARE`], so that the rule can be seen to fail.
+/// No more postures than this part can be outliers while they are looked for, or be left out where
+/// a model file is compared. Chosen: it is a little above [`OUTLIER_SHARE`], so that the rule can be
+/// seen to fail.
 pub const LARGEST_OUTLIER_SHARE: f64 = 0.25;
 /// Outliers scatter this many times as much as noise. Chosen: half the least calls the tail of
 /// noise outliers; the largest is no bound in practice.
@@ -206,19 +207,14 @@ pub const CARRIED_SHARE: f64 = 0.1;
 
 /// Whether the model file predicts what the diagnosis states.
 pub mod model_file {
-    /// What the diagnosis states and what the file predicts agree within this part. Chosen:
-    /// half of it refuses files over differences that nobody sees in a reading.
+    /// What the diagnosis states and what the file predicts agree within this part of it, or of
+    /// the noise where that is more. Chosen: half of it refuses files over differences that
+    /// nobody sees in a reading.
     pub const AGREES: f64 = 0.01;
-    /// Below this part of the noise a difference does not count. Chosen: it is far below what a
-    /// reading shows; a factor of two changes nothing that was seen.
-    pub const BENEATH_NOISE: f64 = 0.01;
     /// A posture in which a loose joint is predicted on its other side reads this many
     /// deviations of its noise elsewhere. Chosen: half of it leaves more postures out of the
     /// comparison.
     pub const OTHER_SIDE: f64 = 0.5;
-    /// Postures of that kind, at most, as a part of all. Chosen: twice as much compares half of
-    /// the log alone.
-    pub const MOST_LEFT_OUT: f64 = 0.25;
 }
 
 /// Noise beside an explanation.

@@ -3,6 +3,7 @@
 use super::hypothesis::Term;
 
 use super::criteria;
+use super::findings::Gap;
 use super::problem::{Fit, Problem};
 use crate::observations::correlation::step;
 use crate::observations::postures::rms;
@@ -11,11 +12,7 @@ use crate::observations::postures::rms;
 /// leaves on the side that gravity does not favour, are counted apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldOut {
-    pub rmse: f64,
-    pub rmse_x: f64,
-    pub rmse_y: f64,
-    /// Mean error by axis.
-    pub bias: [f64; 2],
+    pub gap: Gap,
     /// reading − prediction per entry; NaN where left out.
     pub errors: Vec<f64>,
     pub left_out: usize,
@@ -31,7 +28,7 @@ pub(super) fn parts(problem: &Problem) -> Vec<usize> {
         .first()
         .data
         .t
-        .as_ref()
+        .as_deref()
         .is_some_and(|t| step(t).is_some());
     // Noise lasts half as many rows as an independent one takes.
     let lasts = 0.5 * problem.rows_per_sample();
@@ -72,19 +69,11 @@ pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut
 /// Errors of the robot with CAD masses.
 pub fn of_cad(problem: &Problem) -> HeldOut {
     let n = problem.first().data.len();
-    let out = problem.first().evaluate(
-        &[],
-        &[],
-        &problem.first().data.q,
-        &problem.first().data.posture_context,
-    );
-    let errors = problem
+    let data = &problem.first().data;
+    let out = problem
         .first()
-        .data
-        .reading
-        .iter()
-        .zip(&out)
-        .map(|(y, p)| y - p);
+        .evaluate(&[], &[], &data.q, &data.posture_context);
+    let errors = data.reading.iter().zip(&out).map(|(y, p)| y - p);
     of_errors(errors.collect(), &vec![false; n])
 }
 
@@ -108,13 +97,12 @@ pub fn apart(problem: &Problem, fit: &Fit) -> Vec<bool> {
 /// bands, those that `best` leaves out for them. The step's own would not do: an effect
 /// that is still missing makes every posture look like an outlier.
 pub fn apart_on_the_way(problem: &Problem, step: &Fit, best: &Fit) -> Vec<bool> {
-    let slack = step.terms.iter().any(|term| term.dead_band().is_some());
     let outlying = step.terms.contains(&Term::Outliers);
     let mut apart = vec![false; problem.first().data.len()];
     if let Some(outliers) = best.outliers.as_ref().filter(|_| outlying) {
         outliers.named().into_iter().for_each(|k| apart[k] = true);
     }
-    if slack {
+    if step.is_loose() {
         best.blocks[0].flipped.iter().for_each(|&k| apart[k] = true);
     }
     apart
@@ -134,10 +122,12 @@ fn of_errors(mut errors: Vec<f64>, apart: &[bool]) -> HeldOut {
     let (x, y) = (axis(0), axis(1));
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
     HeldOut {
-        rmse: rms(x.iter().chain(&y).copied()),
-        rmse_x: rms(x.iter().copied()),
-        rmse_y: rms(y.iter().copied()),
-        bias: [mean(&x), mean(&y)],
+        gap: Gap {
+            rmse: rms(x.iter().chain(&y).copied()),
+            rmse_x: rms(x.iter().copied()),
+            rmse_y: rms(y.iter().copied()),
+            bias: [mean(&x), mean(&y)],
+        },
         left_out: apart.iter().filter(|a| **a).count(),
         errors,
     }

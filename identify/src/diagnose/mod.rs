@@ -16,7 +16,6 @@ mod findings;
 mod held_out;
 mod hypothesis;
 mod leftover;
-mod model_check;
 mod model_file;
 mod motion;
 mod next_steps;
@@ -30,8 +29,6 @@ mod report;
 mod request;
 mod samples;
 mod search;
-mod stated;
-mod statements;
 #[cfg(test)]
 mod tests;
 mod verdict;

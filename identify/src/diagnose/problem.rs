@@ -110,6 +110,11 @@ impl Fit {
         Some(&self.unknowns[own])
     }
 
+    /// Whether a joint has a dead band.
+    pub fn is_loose(&self) -> bool {
+        self.terms.iter().any(|term| term.dead_band().is_some())
+    }
+
     /// Whether masses are identified within the usual tolerances of CAD.
     pub fn frees_masses(&self) -> bool {
         self.terms.contains(&Term::Masses)

@@ -17,13 +17,13 @@ use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
 use super::corrected_urdf;
 use super::findings::{About, Explained, NextPostures, Verdict};
-use super::model_file::model_file;
+use super::model_file::{model_file, on_log};
 use super::problem::{Block, Problem};
 use super::recording;
 use super::remedy::{self, Servo};
 use super::report::Report;
 use super::view::DiagnosisView;
-use super::{closure, experiment, model_check, motion, noise, samples, verdict};
+use super::{closure, experiment, motion, noise, samples, verdict};
 use crate::feet::{Feet, Places};
 use crate::fit::fitted::Fitted;
 use crate::fit::prior::{Prior, PriorChoice};
@@ -297,8 +297,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     if found.diagnosis.verdict != Verdict::Unusable {
         check_result(&model_file)?;
     }
-    let on_log = model_check::check(&problem, &found, &model_file)?;
-    found.diagnosis.model_on_log = on_log;
+    found.diagnosis.model_on_log = on_log(&problem, &found.best, &model_file)?;
     let said = verdict::sentences(&problem, &found);
     found.diagnosis.sentence = said.whole();
     found.diagnosis.lead = said.lead;

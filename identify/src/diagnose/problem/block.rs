@@ -350,15 +350,24 @@ impl<'m> Block<'m> {
         made.clone()
     }
 
-    /// Outputs of a program at joint positions `q`, posture by posture.
-    fn run(&self, tape: &Tape, q: &[f64], unknowns: &[f64], posture_context: &[f64]) -> Vec<f64> {
+    /// Outputs of a program at joint positions `q`, posture by posture; of one of any masses at
+    /// `masses`, m.
+    pub(in crate::diagnose) fn run(
+        &self,
+        tape: &Tape,
+        q: &[f64],
+        unknowns: &[f64],
+        posture_context: &[f64],
+        masses: Option<&[f64]>,
+    ) -> Vec<f64> {
         let n = posture_context.len() / PostureContext::of(self.context.robot).len();
         let mut out = vec![0.0; n * tape.outputs()];
-        let arguments = [
+        let mut arguments = vec![
             Values::PerPosture(q),
             Values::Shared(unknowns),
             Values::PerPosture(posture_context),
         ];
+        arguments.extend(masses.map(Values::Shared));
         tape.run(&arguments, n, &mut out, FASTEST);
         out
     }
@@ -372,7 +381,7 @@ impl<'m> Block<'m> {
         posture_context: &[f64],
     ) -> Vec<f64> {
         let tapes = self.tapes(terms);
-        self.run(&tapes.reading, q, unknowns, posture_context)
+        self.run(&tapes.reading, q, unknowns, posture_context, None)
     }
 
     /// What an explanation predicts at joint positions `q`, with slopes by the unknowns of the
@@ -416,7 +425,7 @@ impl<'m> Block<'m> {
         q: &[f64],
         posture_context: &[f64],
     ) -> Vec<f64> {
-        self.run(&self.moments(terms), q, unknowns, posture_context)
+        self.run(&self.moments(terms), q, unknowns, posture_context, None)
     }
 
     /// Gravity moments and slopes of the robot with CAD masses, at positions `q`.
@@ -437,7 +446,7 @@ impl<'m> Block<'m> {
         let idle = !terms.iter().any(bends);
         let (own, given): (&[Term], &[f64]) = if idle { (&[], &[]) } else { (terms, unknowns) };
         let tape = self.soles(own, &closure.other);
-        let out = self.run(&tape, q, given, posture_context);
+        let out = self.run(&tape, q, given, posture_context, None);
         let width = 1 + given.len();
         let rows = ROWS * self.data.len();
         let slopes = DMatrix::from_fn(rows, unknowns.len(), |row, k| {
@@ -467,8 +476,8 @@ impl<'m> Block<'m> {
             return self.data.q.clone();
         }
         let program = effects::joints(&self.context, &effects_of(terms), &self.params);
-        let q = &self.data.q;
-        self.run(&Tape::of_many(&program), q, unknowns, posture_context)
+        let (tape, q) = (Tape::of_many(&program), &self.data.q);
+        self.run(&tape, q, unknowns, posture_context, None)
     }
 
     /// The effect of faults of wiring or of the record: the joint positions that they leave, and

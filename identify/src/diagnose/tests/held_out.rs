@@ -107,8 +107,8 @@ fn a_useless_effect_does_not_pay() {
         let problem = bench.certain(bench.log(&bench.world(), &q, seed));
         let with = errors(&problem, &[("sensor_offset", "-")]);
         let without = errors(&problem, &[]);
-        assert!((without.rmse - of_cad(&problem).rmse).abs() < 1e-12);
-        more += (with.rmse.powi(2) - without.rmse.powi(2)) / (NOISE * NOISE);
+        assert!((without.gap.rmse - of_cad(&problem).gap.rmse).abs() < 1e-12);
+        more += (with.gap.rmse.powi(2) - without.gap.rmse.powi(2)) / (NOISE * NOISE);
     }
     // 20 folds of 2; by two axes and 60 logs known to 2/n'/√120.
     let expected = 1.0 / (POSTURES as f64 - 2.0);
@@ -126,7 +126,7 @@ fn the_numbers_are_those_of_the_errors_and_the_same_every_time() {
     let q = bench.postures(30, 5);
     let world = bench.world().sensor_offset([0.004, -0.002]);
     let problem = bench.problem(bench.log(&world, &q, 5), "cad");
-    let raw = of_cad(&problem);
+    let raw = of_cad(&problem).gap;
     let by_hand: Vec<f64> = q
         .chunks(2)
         .flat_map(|q| bench.world().cop(q))
