@@ -6,7 +6,6 @@ use std::sync::Arc;
 
 use sesc_model::effects::Unit;
 
-use super::closure;
 use super::com_spread;
 use super::criteria;
 use super::findings::{
@@ -15,7 +14,7 @@ use super::findings::{
 };
 use super::held_out::{self, HeldOut};
 use super::hypothesis::Term;
-use super::leftover::{Misfit, suspects};
+use super::leftover::{Misfit, closure_found, is_open, suspects};
 use super::model_file::settle;
 use super::noise;
 use super::outliers::Outliers;
@@ -70,7 +69,7 @@ pub fn find<'m>(
     let known = problem.first().data.noise_source != NoiseSource::Residuals
         || misfit.chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * misfit.expected;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
-    let soles = about.usable && closure::is_open(problem, &best);
+    let soles = about.usable && is_open(problem, &best);
     let no_known = known && misfit.is_clear() || soles;
     let is_short = about.usable && too_few.is_some() && best.terms.is_empty() && !soles;
     let unexplained = !is_short && (no_known || crowd || implausible.is_some());
@@ -119,7 +118,7 @@ pub fn find<'m>(
         }
     }
     let problem = &*whole_problem;
-    let closure = closure::said(problem, &null, &best);
+    let closure = closure_found(problem, &null, &best);
     let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
         _ if !about.usable => Verdict::Unusable,
         _ if is_short => Verdict::TooShort,

@@ -1,16 +1,22 @@
-//! What a diagnosis says, and what it was made of.
+//! What a diagnosis says, what it leaves to be done, and what it was made of.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::{Serialize, Serializer};
+use sesc_model::ModelFile;
 use sesc_model::effects::{EffectContext, Fitted, Target};
 
+use super::corrected_urdf::CorrectedUrdf;
+use super::experiment::NextLog;
 use super::held_out::HeldOut;
-use super::hypothesis::Term;
+use super::hypothesis::{FREE_MASSES, Term};
 use super::problem::Fit;
+use super::view::DiagnosisView;
+use crate::NextStep;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
+use crate::logs::Recording;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
@@ -438,6 +444,97 @@ pub struct Diagnosis {
     /// without a corrected URDF.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out_of_urdf: Option<Vec<String>>,
+}
+
+impl Diagnosis {
+    /// The verdict in things to do, the most useful first.
+    pub fn next_steps(&self) -> Vec<NextStep> {
+        let mut steps = match self.verdict {
+            Verdict::Unusable => return vec![NextStep::Repair],
+            Verdict::TooShort => vec![NextStep::Plan {
+                support: self.support.clone(),
+            }],
+            Verdict::Unexplained => self.checks(),
+            Verdict::Class => vec![self.tell_apart(), NextStep::KeepModel],
+            Verdict::Named => vec![NextStep::Change, NextStep::KeepModel],
+            Verdict::Absorbed => vec![NextStep::GivePrior],
+            Verdict::None => {
+                let widest = self.blind.first().map(|blind| NextStep::WidenRange {
+                    joint: blind.target.clone(),
+                    unseen: blind.unseen(),
+                });
+                [NextStep::CompareLater].into_iter().chain(widest).collect()
+            }
+        };
+        let masses = |effects: &Vec<String>| effects.iter().any(|one| one == FREE_MASSES);
+        if self.masses_are_cad && self.indistinguishable.iter().any(masses) {
+            steps.insert(0, NextStep::RecordHealthy);
+        }
+        steps.extend(self.again.as_ref().map(Again::step));
+        if self.verdict != Verdict::None {
+            steps.push(NextStep::LookAtPage);
+        }
+        steps
+    }
+
+    /// How to tell the explanations of a class apart.
+    fn tell_apart(&self) -> NextStep {
+        let next = &self.next_postures;
+        let best = next.experiments.first().filter(|best| best.splits > 0);
+        match (best.map(|best| best.what.clone()), next.file.clone()) {
+            (Some(experiment), Some(file)) => NextStep::TakePostures { experiment, file },
+            (Some(experiment), None) => NextStep::WritePostures { experiment },
+            (None, _) => NextStep::LookAtRobot,
+        }
+    }
+
+    /// What to check on the robot where nothing known explains the log, by what is left over.
+    fn checks(&self) -> Vec<NextStep> {
+        let open = self.closure.as_ref().filter(|closure| !closure.closes);
+        let followed = self.suspects.first().map(|suspect| match suspect {
+            Suspect::Place => NextStep::CheckRecording,
+            Suspect::Position(joint) => NextStep::CheckJoint {
+                joint: joint.clone(),
+            },
+            Suspect::Moment(joint) => NextStep::CheckLoad {
+                joint: joint.clone(),
+            },
+        });
+        let always = [
+            NextStep::CheckContact,
+            NextStep::CheckLengths,
+            NextStep::RecordAgain,
+        ];
+        let soles = open.map(|_| NextStep::CheckSoles);
+        soles.into_iter().chain(followed).chain(always).collect()
+    }
+}
+
+/// Everything that was found.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Report {
+    /// What was found, as it is printed.
+    pub diagnosis: Diagnosis,
+    /// Parameters and effects, for predictions and generated code.
+    pub model_file: ModelFile,
+    /// Where it was wanted.
+    pub corrected_urdf: Option<CorrectedUrdf>,
+    /// Whether masses are part of the explanation: those of a corrected URDF then move within
+    /// the usual tolerances, else within those of the request.
+    pub frees_masses: bool,
+    /// What of the explanation belongs to the log alone, a sentence each.
+    pub of_the_log: Vec<String>,
+    /// Where it was wanted.
+    #[doc(hidden)]
+    pub view: Option<DiagnosisView>,
+    /// Where it was wanted.
+    #[doc(hidden)]
+    pub recording: Option<Recording>,
+    /// Postures of the experiment that would tell most, if one would tell explanations apart.
+    pub next: Option<NextLog>,
+    /// What is to be known of the robot.
+    pub notes: Vec<String>,
 }
 
 /// A diagnosis with what reports, models and experiments are made from.

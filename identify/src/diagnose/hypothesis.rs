@@ -36,13 +36,11 @@ pub const FREE_MASSES: &str = FREED.0;
 /// Names and subjects of terms that are no effects.
 const FREED: (&str, &str) = ("mass_distribution", "masses that differ from CAD");
 const OUTLIERS: (&str, &str) = ("cop_outliers", "a few readings that come from elsewhere");
-/// Kinds of terms that are no effects.
-pub const MODELS: usize = 2;
 
 /// What a diagnosis may name that is no effect: its name, the kind of thing that it is about, and
 /// its page, which begins with a sentence.
 #[doc(hidden)]
-pub const MODEL_PAGES: [(&str, &str, &str); MODELS] = [
+pub const MODEL_PAGES: [(&str, &str, &str); 2] = [
     (
         FREE_MASSES,
         "the robot",

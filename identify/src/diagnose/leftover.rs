@@ -1,4 +1,5 @@
-//! What no effect of the list explains: how much is left, and what it goes with.
+//! What no effect of the list explains: how much is left of readings and of soles, and what it
+//! goes with.
 //!
 //! ```text
 //! share = 1 − Σ_bins Σ (e − ē_bin)² / Σ (e − ē)² · (n − 1)/(n − bins)
@@ -12,6 +13,7 @@ use sesc_model::effects::PostureContext;
 use super::findings::Suspect;
 use super::problem::{Fit, Problem};
 use super::{criteria, held_out};
+use crate::feet::ClosureFound;
 
 /// Bins, at most, and the postures that each has to have.
 const BINS: usize = 10;
@@ -130,4 +132,27 @@ fn share(residuals: &[(usize, [f64; 2])], of: impl Fn(usize) -> f64) -> f64 {
         return 0.0;
     }
     (1.0 - within / whole * (n - 1) as f64 / (n - bins) as f64).max(0.0)
+}
+
+/// Whether more is left of the soles than noise leaves.
+pub(super) fn is_open(problem: &Problem, fit: &Fit) -> bool {
+    let closure = problem.first().closure.as_deref();
+    closure
+        .zip(fit.blocks[0].closed.as_ref())
+        .is_some_and(|(closure, closed)| {
+            let (chi2, expected) = closure.chi2(&closed.residual);
+            chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * expected
+        })
+}
+
+/// What is said of the soles, by CAD (`null`) and with the explanation.
+pub(super) fn closure_found(problem: &Problem, null: &Fit, best: &Fit) -> Option<ClosureFound> {
+    let closure = problem.first().closure.as_deref()?;
+    let (before, after) = (
+        null.blocks[0].closed.as_ref()?,
+        best.blocks[0].closed.as_ref()?,
+    );
+    let found = closure.said(&before.residual, &after.residual);
+    let changed = !best.terms.is_empty() && found.after != found.before;
+    Some(found.explained(changed))
 }

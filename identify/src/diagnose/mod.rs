@@ -5,7 +5,6 @@
 //!                                                        └→ experiments, next postures
 //! ```
 
-mod closure;
 mod com_spread;
 pub mod corrected_urdf;
 mod criteria;
@@ -18,14 +17,12 @@ mod hypothesis;
 mod leftover;
 mod model_file;
 mod motion;
-mod next_steps;
 mod noise;
 mod nuisance;
 mod outliers;
 mod problem;
 mod recording;
 pub mod remedy;
-mod report;
 mod request;
 mod samples;
 mod search;
@@ -43,10 +40,9 @@ pub use criteria::{CLASS_SCORE, FLOOR_M, OVER_NOTHING};
 pub use experiment::NextLog;
 pub use findings::{
     ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Gap, Last, Leftover, Member, ModelOnLog,
-    NextPostures, Quantity, Remedy, Step, Suspect, UrdfChange, Verdict,
+    NextPostures, Quantity, Remedy, Report, Step, Suspect, UrdfChange, Verdict,
 };
 pub(crate) use hypothesis::FREE_MASSES;
 #[doc(hidden)]
 pub use hypothesis::{MODEL_PAGES, subject};
-pub use report::Report;
 pub use request::{Request, diagnose, look};

@@ -31,6 +31,7 @@ use crate::observations::correlation::Correlation;
 
 use crate::svd::svd;
 pub(super) use block::Rewire;
+pub(super) use block::soles_of;
 pub use block::{Block, Closed, OwnSides};
 pub(super) use fitting::Weighting;
 
@@ -55,6 +56,13 @@ pub struct Proposal {
     /// Score to first order.
     pub predicted_score: f64,
     pub parent: Option<Fit>,
+}
+
+impl Proposal {
+    /// The most promising first.
+    pub fn order(&self, other: &Proposal) -> std::cmp::Ordering {
+        self.predicted_score.total_cmp(&other.predicted_score)
+    }
 }
 
 /// A hypothesis, fitted.
@@ -320,7 +328,7 @@ impl<'m> Problem<'m> {
     /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
     pub fn penalty(&self, terms: &[Term]) -> f64 {
         let readings = self.height() as f64;
-        let kinds = self.targets.len() + hypothesis::MODELS;
+        let kinds = self.targets.len() + hypothesis::MODEL_PAGES.len();
         let targets = |term: &Term| match term.effect() {
             Some(instance) => *self.targets.get(&instance.effect.id()).unwrap_or(&1),
             None => 1,

@@ -16,14 +16,13 @@ use sesc_model::effects::{Catalog, Experiment};
 use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
 use super::corrected_urdf;
-use super::findings::{About, Explained, NextPostures, Verdict};
+use super::findings::{About, Explained, NextPostures, Report, Verdict};
 use super::model_file::{model_file, on_log};
-use super::problem::{Block, Problem};
+use super::problem::{Block, Problem, soles_of};
 use super::recording;
 use super::remedy::{self, Servo};
-use super::report::Report;
 use super::view::DiagnosisView;
-use super::{closure, experiment, motion, noise, samples, verdict};
+use super::{experiment, motion, noise, samples, verdict};
 use crate::feet::{Feet, Places};
 use crate::fit::fitted::Fitted;
 use crate::fit::prior::{Prior, PriorChoice};
@@ -218,7 +217,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             before.push(own);
             warn_of_left_out(source, &postures, watch);
             let (sidecar, _) = source.sidecar()?;
-            closure = closure::of(&Feet::default(), &sidecar, there, &mut postures, watch)?;
+            closure = soles_of(&Feet::default(), &sidecar, there, &mut postures, watch)?;
         }
         let block = Block::new(there, postures, closure, &request.effects);
         others.push((block, *experiment));
@@ -241,7 +240,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             usable: health.is_usable(),
             health: health.findings,
         };
-        let closure = closure::of(&request.feet, &sidecar, &model, &mut data, watch)?;
+        let closure = soles_of(&request.feet, &sidecar, &model, &mut data, watch)?;
         let first = Block::new(&model, data, closure, &request.effects);
         let others = others.iter().cloned();
         let others = others.map(|(block, experiment)| block.beside(&first, experiment));

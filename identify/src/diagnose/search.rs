@@ -21,17 +21,6 @@ use crate::Error;
 use crate::threads::{each_long, processors};
 use crate::watch::{Watch, tell};
 
-/// How many extensions of a hypothesis are fitted.
-#[derive(Clone, Copy)]
-enum Breadth {
-    /// Some of every kind.
-    First,
-    /// The most promising.
-    Later,
-    /// All whose predicted score is near the best.
-    Near,
-}
-
 /// Fitted hypotheses.
 pub struct Search<'m> {
     problem: Arc<Problem<'m>>,
@@ -76,14 +65,10 @@ impl<'m> Search<'m> {
         let null = self.fit(&[], None);
         let faults = wiring::faults(&self.problem);
         let mut beam = vec![null];
-        for depth in 1..=criteria::DEEPEST {
+        for depth in 1..=criteria::TOO_MANY_EFFECTS {
             let mut proposals = Vec::new();
             for parent in &beam {
-                let breadth = if depth == 1 {
-                    Breadth::First
-                } else {
-                    Breadth::Later
-                };
+                let breadth = [criteria::LATER, criteria::FIRST][usize::from(depth == 1)];
                 proposals.extend(self.extensions(parent, breadth));
             }
             if depth > 1 {
@@ -91,7 +76,7 @@ impl<'m> Search<'m> {
                 let large = criteria::WIRING_CHI2 * 2.0 * self.problem.first().data.len() as f64;
                 let gaps = beam.iter().filter(|f| f.objective > large);
                 let further = gaps
-                    .take(criteria::WIRING_PARENTS)
+                    .take(criteria::WIRING_BESIDE.0)
                     .flat_map(|f| wiring::beside(&self.problem, f, &faults));
                 proposals.extend(further);
             }
@@ -109,7 +94,7 @@ impl<'m> Search<'m> {
                 break;
             }
         }
-        for _ in 0..criteria::EXAMINATIONS {
+        for _ in 0..criteria::EXAMINED {
             let before = self.best_score();
             self.reexamine(watch)?;
             if self.best_score() >= before - 1e-6 {
@@ -145,17 +130,18 @@ impl<'m> Search<'m> {
             return fit.clone();
         }
         let fit = self.problem.fit(&terms, parent, ALL);
-        self.learn(terms, fit.clone());
+        self.learn(fit.clone());
         fit
     }
 
-    fn learn(&mut self, terms: Vec<Term>, fit: Fit) {
+    fn learn(&mut self, fit: Fit) {
         self.fitted += 1;
-        self.known.insert(terms, fit);
+        self.known.insert(fit.terms.clone(), fit);
     }
 
-    /// What could be added to a hypothesis, with its predicted score.
-    fn extensions(&self, parent: &Fit, breadth: Breadth) -> Vec<Proposal> {
+    /// What could be added to a hypothesis, so many of each kind and of all, with its predicted
+    /// score.
+    fn extensions(&self, parent: &Fit, (per_kind, most): (usize, usize)) -> Vec<Proposal> {
         let own;
         let wired = parent
             .terms
@@ -180,20 +166,12 @@ impl<'m> Search<'m> {
                 parent: Some(parent.clone()),
             })
             .collect();
-        proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
-        let (per_kind, most) = match breadth {
-            Breadth::First => (criteria::FIRST_OF_KIND, usize::MAX),
-            Breadth::Later => (criteria::LATER_OF_KIND, criteria::LATER),
-            Breadth::Near => (usize::MAX, criteria::NEAR),
-        };
-        let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
-        proposals.retain(|p| {
+        proposals.sort_by(Proposal::order);
+        let added = |p: &Proposal| {
             let added = p.terms.iter().find(|i| !parent.terms.contains(i));
-            let count = seen.entry(added.map_or("", Term::name)).or_default();
-            *count += 1;
-            *count <= per_kind
-        });
-        proposals.truncate(most);
+            added.map_or("", Term::name)
+        };
+        keep_some(&mut proposals, added, per_kind, most);
         for term in [Term::Outliers, Term::Masses] {
             proposals.extend(self.with_model(parent, term));
         }
@@ -209,18 +187,15 @@ impl<'m> Search<'m> {
         if term == Term::Masses && !self.problem.is_wider() {
             return None;
         }
-        let penalty = self.problem.penalty(std::slice::from_ref(&term));
+        let penalty = self.penalty(&term);
         let predicted_score = match term {
             Term::Outliers => {
-                let outliers = Outliers::of(&parent.blocks[0].residual, None);
+                let residual = &*parent.blocks[0].residual;
+                let outliers = Outliers::of(residual, None);
                 let root = outliers.root_weights(None);
-                let squares = parent.blocks[0]
-                    .residual
-                    .iter()
-                    .zip(&root)
-                    .map(|(e, w)| (e * w).powi(2));
-                let mixture = outliers.objective(&parent.blocks[0].residual, None, squares.sum());
-                let plain = parent.blocks[0].residual.norm_squared();
+                let squares = residual.iter().zip(&root).map(|(e, w)| (e * w).powi(2));
+                let mixture = outliers.objective(residual, None, squares.sum());
+                let plain = residual.norm_squared();
                 parent.score() + (mixture - plain) + penalty
             }
             _ => {
@@ -241,36 +216,28 @@ impl<'m> Search<'m> {
 
     /// The best pairs of a linear search over all of them.
     fn pairs(&self, null: &Fit) -> Vec<Proposal> {
-        let mut best: BTreeMap<[&str; 2], Vec<Proposal>> = BTreeMap::new();
         let residual = null.residual();
         let candidates = &self.base.candidates;
         let penalties: Vec<f64> = candidates.iter().map(|c| self.penalty(&c.term)).collect();
+        let mut pairs = Vec::new();
         self.base.pairs(&self.problem, &residual, |i, j, gain| {
-            let (a, b) = (&candidates[i], &candidates[j]);
-            if !compatible(std::slice::from_ref(&a.term), &b.term) {
-                return;
-            }
-            let mut names = [a.term.name(), b.term.name()];
-            names.sort_unstable();
-            let of_kinds = best.entry(names).or_default();
-            let predicted_score = null.score() - gain + penalties[i] + penalties[j];
-            let place = of_kinds.partition_point(|p| p.predicted_score <= predicted_score);
-            if place < criteria::FIRST_OF_KIND {
-                of_kinds.insert(
-                    place,
-                    Proposal {
-                        terms: vec![a.term.clone(), b.term.clone()],
-                        predicted_score,
-                        parent: None,
-                    },
-                );
-                of_kinds.truncate(criteria::FIRST_OF_KIND);
+            if candidates[i].term.is_compatible(&candidates[j].term) {
+                pairs.push((null.score() - gain + penalties[i] + penalties[j], i, j));
             }
         });
-        let mut proposals: Vec<Proposal> = best.into_values().flatten().collect();
-        proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
-        proposals.truncate(criteria::PAIRS);
-        proposals
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let names = |&(_, i, j): &(f64, usize, usize)| {
+            let mut names = [i, j].map(|k| candidates[k].term.name());
+            names.sort_unstable();
+            names
+        };
+        keep_some(&mut pairs, names, criteria::FIRST.0, criteria::PAIRS);
+        let pairs = pairs.into_iter().map(|(predicted_score, i, j)| Proposal {
+            terms: [i, j].map(|k| candidates[k].term.clone()).to_vec(),
+            predicted_score,
+            parent: None,
+        });
+        pairs.collect()
     }
 
     fn refine(
@@ -279,7 +246,7 @@ impl<'m> Search<'m> {
         depth: usize,
         watch: &mut dyn Watch,
     ) -> Result<(), Error> {
-        proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
+        proposals.sort_by(Proposal::order);
         // A linear prediction is hardly ever too modest, but where gaps are large.
         let is_hopeless = |proposal: &Proposal, best: f64| {
             let room = criteria::HOPELESS + criteria::HOPELESS_PART * best.abs();
@@ -308,9 +275,9 @@ impl<'m> Search<'m> {
             });
             // As if one had been fitted after the other: what those before it made hopeless
             // is not known.
-            for ((terms, proposal), fit) in next.into_iter().zip(fits) {
+            for ((_, proposal), fit) in next.into_iter().zip(fits) {
                 if !is_hopeless(&proposal, self.best_score()) {
-                    self.learn(terms, fit);
+                    self.learn(fit);
                     tell(watch, "hypotheses", self.fitted as u64, None)?;
                 }
             }
@@ -319,16 +286,14 @@ impl<'m> Search<'m> {
 
     /// The best of a depth, one of each family before seconds.
     fn beam(&self, depth: usize) -> Vec<Fit> {
-        let of_depth = self.ranked().into_iter().filter(|f| f.terms.len() == depth);
-        let mut seen: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
-        let mut beam = Vec::new();
-        for fit in of_depth {
-            let count = seen.entry(kinds(&fit.terms)).or_default();
-            *count += 1;
-            if *count <= criteria::BEAM_OF_FAMILY && beam.len() < criteria::BEAM {
-                beam.push(fit);
-            }
-        }
+        let mut beam = self.ranked();
+        beam.retain(|fit| fit.terms.len() == depth);
+        let family = |fit: &Fit| {
+            let mut names: Vec<&str> = fit.terms.iter().map(Term::name).collect();
+            names.sort_unstable();
+            names
+        };
+        keep_some(&mut beam, family, criteria::BEAM.0, criteria::BEAM.1);
         beam
     }
 
@@ -336,7 +301,7 @@ impl<'m> Search<'m> {
     /// everything that comes near it.
     fn reexamine(&mut self, watch: &mut dyn Watch) -> Result<(), Error> {
         let null = self.fit(&[], None);
-        let alone = self.extensions(&null, Breadth::Near);
+        let alone = self.extensions(&null, criteria::NEAR);
         self.refine(alone, 2, watch)?;
         let best: Vec<Fit> = self.ranked().into_iter().take(criteria::EXAMINED).collect();
         for (place, fit) in best.iter().enumerate() {
@@ -344,17 +309,24 @@ impl<'m> Search<'m> {
                 let mut fewer = fit.terms.clone();
                 fewer.remove(k);
                 let parent = self.fit(&fewer, Some(fit));
-                let breadth = if place == 0 {
-                    Breadth::Near
-                } else {
-                    Breadth::Later
-                };
+                let breadth = [criteria::LATER, criteria::NEAR][usize::from(place == 0)];
                 let proposals = self.extensions(&parent, breadth);
                 self.refine(proposals, 2, watch)?;
             }
         }
         Ok(())
     }
+}
+
+/// So many of each kind, and so many of all, that come first.
+fn keep_some<T, K: Ord>(all: &mut Vec<T>, kind: impl Fn(&T) -> K, of_each: usize, most: usize) {
+    let mut seen: BTreeMap<K, usize> = BTreeMap::new();
+    all.retain(|one| {
+        let count = seen.entry(kind(one)).or_default();
+        *count += 1;
+        *count <= of_each
+    });
+    all.truncate(most);
 }
 
 fn with(problem: &Problem, terms: &[Term], more: &Term) -> Vec<Term> {
@@ -367,12 +339,6 @@ fn with(problem: &Problem, terms: &[Term], more: &Term) -> Vec<Term> {
 /// Whether a term may stand beside others.
 fn compatible(terms: &[Term], more: &Term) -> bool {
     terms.iter().all(|term| term.is_compatible(more))
-}
-
-fn kinds(terms: &[Term]) -> Vec<&'static str> {
-    let mut names: Vec<&str> = terms.iter().map(Term::name).collect();
-    names.sort_unstable();
-    names
 }
 
 /// The order of hypotheses that are equally good.

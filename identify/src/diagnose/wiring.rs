@@ -51,12 +51,9 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) ->
     });
     let (mut alone, beside): (Vec<_>, Vec<_>) = with_best.into_iter().flatten().unzip();
     let mut beside: Vec<Proposal> = beside.into_iter().flatten().collect();
-    for (list, most) in [
-        (&mut alone, criteria::WIRING_ALONE),
-        (&mut beside, criteria::WIRING_PAIRS),
-    ] {
-        list.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
-        list.truncate(most);
+    for list in [&mut alone, &mut beside] {
+        list.sort_by(Proposal::order);
+        list.truncate(criteria::WIRING_ALONE);
     }
     alone.extend(beside);
     alone
@@ -79,8 +76,8 @@ pub fn beside(problem: &Problem, parent: &Fit, faults: &[Term]) -> Vec<Proposal>
         parent: Some(parent.clone()),
     });
     let mut proposals: Vec<Proposal> = proposals.collect();
-    proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
-    proposals.truncate(criteria::WIRING_BESIDE_PARENT);
+    proposals.sort_by(Proposal::order);
+    proposals.truncate(criteria::WIRING_BESIDE.1);
     proposals
 }
 

@@ -23,13 +23,16 @@ use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
 use super::{OnBlock, without};
+use crate::Error;
 use crate::diagnose::hypothesis::{CarriedExplanation, Term, effects_of, with_places};
 use crate::evaluate::{Evaluator, FASTEST};
-use crate::feet::{Closure, OtherFoot, ROWS};
+use crate::feet::{Closure, Feet, OtherFoot, ROWS, of_many, of_one_foot, tell_contacts};
+use crate::logs::Sidecar;
 use crate::observations::correlation::Process;
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::Postures;
 use crate::observations::rows::CopRows;
+use crate::watch::Watch;
 
 /// Rows of one log in one support.
 #[derive(Clone)]
@@ -499,6 +502,34 @@ impl<'m> Block<'m> {
         let rewire = reading.then(|| effects::wired_reading(&self.context, &faults));
         (q, Rewire(rewire.map(|program| Tape::of_many(&program))))
     }
+}
+
+/// The soles of a log of both feet, which the caller, its sidecar or its contacts say; `None` of
+/// one that stands on one foot. Where each foot has its own contact, the `data` learn what joints
+/// do to that.
+///
+/// # Errors
+/// When the other sole cannot be told.
+pub(crate) fn soles_of(
+    feet: &Feet,
+    sidecar: &Sidecar,
+    model: &Model,
+    data: &mut Postures,
+    watch: &mut dyn Watch,
+) -> Result<Option<Closure>, Error> {
+    let mut sidecar = sidecar.clone();
+    sidecar.other_foot = sidecar.other_foot.or_else(|| data.other_foot.clone());
+    let Some(other) = feet.of(&sidecar, model)? else {
+        return Ok(None);
+    };
+    if let Some(note) = of_many(model, &other) {
+        watch.note(&note);
+    }
+    if let Some(warning) = of_one_foot(model, &other, data) {
+        watch.warning(&warning.into());
+    }
+    tell_contacts(data, model, &other);
+    Ok(Some(Closure::of(model, other, &data.q, data.t.as_deref())))
 }
 
 /// How a fault of the record changes readings; none where it does not.
