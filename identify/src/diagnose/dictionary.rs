@@ -11,12 +11,11 @@
 use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::PostureContext;
 
 use super::criteria;
 use super::hypothesis::{Term, effect_terms};
 use super::nuisance::Nuisance;
-use super::problem::{ALL, Block, Fit, Problem, stacked_residual, stacked_slopes};
+use super::problem::{ALL, Block, Fit, Problem, side, stacked_residual, stacked_slopes};
 use crate::lsq::{factor_normal, transposed_times};
 use crate::threads::each_long;
 
@@ -255,16 +254,10 @@ fn safe(mut a: DMatrix<f64>, whole: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// Posture context with every joint on the side where gravity puts it.
 fn sides_at(block: &Block, q: &[f64]) -> Vec<f64> {
-    let layout = PostureContext::of(block.context.robot);
-    let dof = block.context.robot.dof();
     let mut posture_context = block.data.posture_context.clone();
-    let moments = block.moments_at(q);
-    for k in 0..block.data.len() {
-        for joint in 0..dof {
-            let moment = moments[k * 3 * dof + joint];
-            posture_context[k * layout.len() + layout.side(joint)] =
-                if moment < 0.0 { -1.0 } else { 1.0 };
-        }
-    }
+    let (dof, moments) = (block.context.robot.dof(), block.moments_at(q));
+    block.put_sides(&mut posture_context, 0..dof, |k, joint, _| {
+        side(moments[k * 3 * dof + joint])
+    });
     posture_context
 }

@@ -11,14 +11,14 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::{Carry, Experiment, PostureContext, known_weight};
+use sesc_model::effects::{Carry, Experiment, known_weight};
 use sesc_model::tree::{Dof, is_support};
 use sesc_model::{Model, Snapping};
 
 use super::criteria::{self, NEXT_POSTURES, TOLD_APART};
 use super::findings::{ExperimentProposal, Explained, Verdict};
 use super::hypothesis::{CarriedExplanation, Term, with_places};
-use super::problem::{Block, Fit, OnBlock, Problem, below};
+use super::problem::{Block, Fit, OnBlock, Problem, below, side};
 use crate::Error;
 use crate::logs::{PostureWriter, Row, Sidecar, Written};
 use crate::plan::candidates::sample;
@@ -190,7 +190,6 @@ impl<'a, 'm> Trial<'a, 'm> {
         if joints.is_empty() {
             return context;
         }
-        let layout = PostureContext::of(self.there.model);
         let dof = self.there.model.dof();
         let sense = match self.experiment {
             Experiment::BothSides => -1.0,
@@ -199,12 +198,10 @@ impl<'a, 'm> Trial<'a, 'm> {
         let moments = self
             .there
             .evaluate_moments(terms, unknowns, &data.q, &context);
-        for (k, own) in context.chunks_exact_mut(layout.len()).enumerate() {
-            for (joint, _) in &joints {
-                let is_negative = moments[k * 3 * dof + joint] < 0.0;
-                own[layout.side(*joint)] = if is_negative { -sense } else { sense };
-            }
-        }
+        let joints = joints.iter().map(|(joint, _)| *joint);
+        self.there.put_sides(&mut context, joints, |k, joint, _| {
+            sense * side(moments[k * 3 * dof + joint])
+        });
         context
     }
 

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 use nalgebra::DMatrix;
-use sesc_model::effects::{self, Catalog, PostureContext, Stage};
+use sesc_model::effects::{self, Catalog, Stage};
 use sesc_model::tape::Tape;
 use sesc_model::{EffectRecord, ModelFile, Quantity};
 
@@ -294,14 +294,13 @@ impl FileModel {
         let sides = backlash_sides::settle(problem, &fit.terms, &fit.unknowns, fit.is_loose());
         let blocks = || problem.blocks.iter().zip(&predicted).zip(&sides);
         let contexts = blocks().map(|((block, own), sides)| {
-            let layout = PostureContext::of(block.context.robot);
-            let joints = own.depths.len() / block.data.len();
             let mut context = sides.posture_context.clone();
-            for k in (0..block.data.len()).filter(|k| !sides.flipped.contains(k)) {
-                for joint in 0..joints {
-                    context[k * layout.len() + layout.side(joint)] = own.depths[k * joints + joint];
-                }
-            }
+            let joints = own.depths.len() / block.data.len();
+            let stays = |k: usize| sides.flipped.contains(&k);
+            block.put_sides(&mut context, 0..joints, |k, joint, side| match stays(k) {
+                true => side,
+                false => own.depths[k * joints + joint],
+            });
             Cow::Owned(context)
         });
         let contexts: Vec<Cow<[f64]>> = contexts.collect();
@@ -309,7 +308,7 @@ impl FileModel {
         let mut state = problem.state(&fit.terms, fit.unknowns.clone(), &contexts, &weighting);
         // Springs that give way while loose joints slide end a little elsewhere than springs
         // beside joints at rest: the file's own readings count.
-        let on_blocks = state.blocks.iter_mut().zip(&contexts);
+        let on_blocks = state.there.0.iter_mut().zip(&contexts);
         for (((block, own), sides), (on, context)) in blocks().zip(on_blocks) {
             let mut readings = on.predicted.to_vec();
             for row in (0..readings.len()).filter(|row| !sides.flipped.contains(&(row / 2))) {
@@ -327,8 +326,8 @@ impl FileModel {
         Fit {
             covariance,
             unknowns: state.unknowns,
-            blocks: state.blocks,
-            at_bound: state.at_bound,
+            blocks: state.there.0,
+            at_bound: state.there.1,
             masses: Some(masses),
             ..fit
         }

@@ -31,8 +31,8 @@ use crate::observations::correlation::Correlation;
 
 use crate::svd::svd;
 pub(super) use block::Rewire;
-pub(super) use block::soles_of;
 pub use block::{Block, Closed, OwnSides};
+pub(super) use block::{side, soles_of};
 pub(super) use fitting::Weighting;
 
 /// Logs of a robot, and the prior of its masses.

@@ -12,7 +12,7 @@
 //! stands on the support alone.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::{
@@ -26,7 +26,7 @@ use super::{OnBlock, without};
 use crate::Error;
 use crate::diagnose::hypothesis::{CarriedExplanation, Term, effects_of, with_places};
 use crate::evaluate::{Evaluator, FASTEST};
-use crate::feet::{Closure, Feet, OtherFoot, ROWS, of_many, of_one_foot, tell_contacts};
+use crate::feet::{Closure, Feet, ROWS, of_many, of_one_foot, tell_contacts};
 use crate::logs::Sidecar;
 use crate::observations::correlation::Process;
 use crate::observations::noise::NoiseSource;
@@ -62,7 +62,7 @@ pub struct Block<'m> {
     /// What this block makes of the first one's unknowns and masses; none of the first itself.
     pub further: Option<Further>,
     /// Shared by copies of the block, whose noise may be another.
-    tapes: Arc<Mutex<HashMap<Vec<Instance>, Arc<Tapes>>>>,
+    tapes: Arc<Mutex<HashMap<(Output, Vec<Instance>), Arc<Tape>>>>,
 }
 
 /// A block beside the first one.
@@ -82,13 +82,16 @@ pub struct Closed {
     pub slopes: DMatrix<f64>,
 }
 
-/// What a set of terms runs on.
-struct Tapes {
-    reading: Tape,
-    /// Made when a dead band asks for sides.
-    moments: OnceLock<Arc<Tape>>,
-    /// Made where the log is of both feet.
-    soles: OnceLock<Arc<Tape>>,
+/// What a program of a set of terms computes.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Output {
+    Reading,
+    /// Of gravity, with slopes of the reading by joints.
+    Moments,
+    /// Joint positions.
+    Joints,
+    /// Where the other sole is.
+    Sole,
 }
 
 /// Whether a term moves a joint from where its encoder says.
@@ -317,40 +320,25 @@ impl<'m> Block<'m> {
         found
     }
 
-    /// The programs of a set of terms, made once; two that ask at the same time may both make
-    /// them, and the same.
-    fn tapes(&self, terms: &[Term]) -> Arc<Tapes> {
+    /// The program of a set of terms, made once; two that ask at the same time may both make it,
+    /// and the same.
+    fn tape(&self, output: Output, terms: &[Term]) -> Arc<Tape> {
         let known = || self.tapes.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = effects_of(terms);
-        if let Some(tapes) = known().get(&key) {
-            return tapes.clone();
+        let key = (output, effects_of(terms));
+        if let Some(tape) = known().get(&key) {
+            return Arc::clone(tape);
         }
-        let program = effects::reading(&self.context, &key, &self.params);
-        let tapes = Arc::new(Tapes {
-            reading: Tape::of_many(&program),
-            moments: OnceLock::new(),
-            soles: OnceLock::new(),
-        });
-        known().entry(key).or_insert(tapes).clone()
-    }
-
-    fn moments(&self, terms: &[Term]) -> Arc<Tape> {
-        let tapes = self.tapes(terms);
-        let made = tapes.moments.get_or_init(|| {
-            let program = effects::moments(&self.context, &effects_of(terms), &self.params);
-            Arc::new(Tape::of_many(&program))
-        });
-        made.clone()
-    }
-
-    fn soles(&self, terms: &[Term], other: &OtherFoot) -> Arc<Tape> {
-        let tapes = self.tapes(terms);
-        let made = tapes.soles.get_or_init(|| {
-            let effects = effects_of(terms);
-            let program = effects::other_sole(&self.context, &effects, &self.params, other.place());
-            Arc::new(Tape::of_many(&program))
-        });
-        made.clone()
+        let (context, terms, params) = (&self.context, &key.1, &self.params);
+        let program = match (output, &self.closure) {
+            (Output::Moments, _) => effects::moments(context, terms, params),
+            (Output::Joints, _) => effects::joints(context, terms, params),
+            (Output::Sole, Some(closure)) => {
+                effects::other_sole(context, terms, params, closure.other.place())
+            }
+            _ => effects::reading(context, terms, params),
+        };
+        let tape = Arc::new(Tape::of_many(&program));
+        known().entry(key).or_insert(tape).clone()
     }
 
     /// Outputs of a program at joint positions `q`, posture by posture; of one of any masses at
@@ -383,8 +371,8 @@ impl<'m> Block<'m> {
         q: &[f64],
         posture_context: &[f64],
     ) -> Vec<f64> {
-        let tapes = self.tapes(terms);
-        self.run(&tapes.reading, q, unknowns, posture_context, None)
+        let tape = self.tape(Output::Reading, terms);
+        self.run(&tape, q, unknowns, posture_context, None)
     }
 
     /// What an explanation predicts at joint positions `q`, with slopes by the unknowns of the
@@ -428,7 +416,8 @@ impl<'m> Block<'m> {
         q: &[f64],
         posture_context: &[f64],
     ) -> Vec<f64> {
-        self.run(&self.moments(terms), q, unknowns, posture_context, None)
+        let tape = self.tape(Output::Moments, terms);
+        self.run(&tape, q, unknowns, posture_context, None)
     }
 
     /// Gravity moments and slopes of the robot with CAD masses, at positions `q`.
@@ -448,7 +437,7 @@ impl<'m> Block<'m> {
         // Sensors, masses and the ground move no sole: one program is enough for them all.
         let idle = !terms.iter().any(bends);
         let (own, given): (&[Term], &[f64]) = if idle { (&[], &[]) } else { (terms, unknowns) };
-        let tape = self.soles(own, &closure.other);
+        let tape = self.tape(Output::Sole, own);
         let out = self.run(&tape, q, given, posture_context, None);
         let width = 1 + given.len();
         let rows = ROWS * self.data.len();
@@ -465,6 +454,23 @@ impl<'m> Block<'m> {
         })
     }
 
+    /// Put joints of every posture of a context where `to` has them, by posture, joint and the side
+    /// before.
+    pub(in crate::diagnose) fn put_sides(
+        &self,
+        context: &mut [f64],
+        joints: impl Iterator<Item = usize> + Clone,
+        to: impl Fn(usize, usize, f64) -> f64,
+    ) {
+        let layout = PostureContext::of(self.context.robot);
+        for (k, own) in context.chunks_exact_mut(layout.len()).enumerate() {
+            for joint in joints.clone() {
+                let side = &mut own[layout.side(joint)];
+                *side = to(k, joint, *side);
+            }
+        }
+    }
+
     /// The sides on which joints rest in the context of a fit to this log.
     pub(in crate::diagnose) fn sides_of(&self, posture_context: &[f64]) -> OwnSides {
         let robot = self.context.robot;
@@ -478,9 +484,8 @@ impl<'m> Block<'m> {
         if !terms.iter().any(bends) {
             return self.data.q.clone();
         }
-        let program = effects::joints(&self.context, &effects_of(terms), &self.params);
-        let (tape, q) = (Tape::of_many(&program), &self.data.q);
-        self.run(&tape, q, unknowns, posture_context, None)
+        let tape = self.tape(Output::Joints, terms);
+        self.run(&tape, &self.data.q, unknowns, posture_context, None)
     }
 
     /// The effect of faults of wiring or of the record: the joint positions that they leave, and
@@ -530,6 +535,11 @@ pub(crate) fn soles_of(
     }
     tell_contacts(data, model, &other);
     Ok(Some(Closure::of(model, other, &data.q, data.t.as_deref())))
+}
+
+/// The side of its dead band where a moment puts a joint.
+pub(in crate::diagnose) fn side(moment: f64) -> f64 {
+    if moment < 0.0 { -1.0 } else { 1.0 }
 }
 
 /// How a fault of the record changes readings; none where it does not.

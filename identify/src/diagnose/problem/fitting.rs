@@ -135,10 +135,10 @@ impl Problem<'_> {
             .map(|own| own.penalty)
             .sum::<f64>();
         if let Some(outliers) = outliers {
-            let residual = &state.blocks[0].residual;
+            let residual = &state.there.0[0].residual;
             objective = outliers.objective(residual, keep, objective);
         }
-        let mut blocks = state.blocks;
+        let (mut blocks, at_bound) = state.there;
         let settled = blocks
             .iter_mut()
             .zip(&self.blocks)
@@ -155,7 +155,7 @@ impl Problem<'_> {
             objective,
             blocks,
             outliers: outliers.cloned(),
-            at_bound: state.at_bound,
+            at_bound,
             masses: None,
         }
     }
@@ -174,7 +174,7 @@ impl Problem<'_> {
         scales: &[f64],
         weighting: &Weighting,
     ) -> DMatrix<f64> {
-        let as_white = damped::covariance(&state.normal.0, scales);
+        let as_white = damped::covariance(&state.normal, scales);
         match self.lasting_spread(state, weighting) {
             Some(spread) => &as_white + &as_white * spread * &as_white,
             None => as_white,
@@ -190,7 +190,7 @@ impl Problem<'_> {
             return None;
         }
         let unknowns = state.unknowns.len();
-        let mut z = stacked_slopes(&state.blocks, unknowns);
+        let mut z = stacked_slopes(&state.there.0, unknowns);
         weighting.weigh(&mut z);
         z = weighting.masses.project_out(&z);
         weighting.weigh(&mut z);
@@ -249,25 +249,12 @@ impl Problem<'_> {
         let products = transposed_times(&rows, &left);
         let mut state = State {
             value: products[(width, width)],
-            normal: (
-                products.view((0, 0), (width, width)).into_owned(),
-                products.view((0, width), (width, 1)).column(0).into_owned(),
-            ),
-            at_bound: 0.0,
+            normal: products.view((0, 0), (width, width)).into_owned(),
+            gradient: products.view((0, width), (width, 1)).column(0).into_owned(),
+            there: (blocks, 0.0),
             unknowns,
-            blocks,
         };
-        let (normal, gradient) = &mut state.normal;
-        self.walls(terms, &state.unknowns, |violation, slope| {
-            state.value += violation * violation;
-            state.at_bound += violation * violation;
-            for a in 0..slope.len() {
-                gradient[a] -= violation * slope[a];
-                for b in 0..slope.len() {
-                    normal[(a, b)] += slope[a] * slope[b];
-                }
-            }
-        });
+        self.add_walls(terms, &mut state);
         if !state.value.is_finite() {
             state.value = f64::INFINITY;
         }
@@ -275,27 +262,29 @@ impl Problem<'_> {
     }
 
     /// Each bound that is crossed, with its slope by the unknowns.
-    fn walls(&self, terms: &[Term], unknowns: &[f64], mut each: impl FnMut(f64, &[f64])) {
-        for (term, places) in with_places(terms, &self.first().context) {
-            let own = &unknowns[places.clone()];
-            let violation = |x: &[f64]| term.bound_violation(&self.first().context, x);
-            let now = violation(own);
-            if now.iter().any(|x| *x > 0.0) {
-                let scales = term.scales(&self.first().context);
-                let mut slopes = vec![vec![0.0; unknowns.len()]; now.len()];
-                for k in 0..own.len() {
-                    let mut moved = own.to_vec();
+    fn add_walls(&self, terms: &[Term], state: &mut State) {
+        let context = &self.first().context;
+        for (term, places) in with_places(terms, context) {
+            let own = state.unknowns[places.clone()].to_vec();
+            let violation = |x: &[f64]| term.bound_violation(context, x);
+            let scales = term.scales(context);
+            for (wall, now) in violation(&own).into_iter().enumerate() {
+                if now <= 0.0 {
+                    continue;
+                }
+                let slope = DVector::from_fn(own.len(), |k, _| {
+                    let mut moved = own.clone();
                     let step = 1e-6 * scales[k];
                     moved[k] += step;
-                    for (wall, after) in violation(&moved).iter().enumerate() {
-                        slopes[wall][places.start + k] = (after - now[wall]) / step;
-                    }
-                }
-                for (wall, slope) in slopes.iter().enumerate() {
-                    if now[wall] > 0.0 {
-                        each(now[wall], slope);
-                    }
-                }
+                    (violation(&moved)[wall] - now) / step
+                });
+                let (at, count) = (places.start, own.len());
+                state.value += now * now;
+                state.there.1 += now * now;
+                let mut gradient = state.gradient.rows_mut(at, count);
+                gradient -= now * &slope;
+                let mut normal = state.normal.view_mut((at, at), (count, count));
+                normal += &slope * slope.transpose();
             }
         }
     }
@@ -316,29 +305,6 @@ impl Weighting<'_> {
     }
 }
 
-/// A hypothesis at given unknowns.
-pub(in crate::diagnose) struct State {
-    pub unknowns: Vec<f64>,
-    pub blocks: Vec<OnBlock>,
-    pub value: f64,
-    pub normal: (DMatrix<f64>, DVector<f64>),
-    pub at_bound: f64,
-}
-
-impl Expansion for State {
-    fn unknowns(&self) -> &[f64] {
-        &self.unknowns
-    }
-
-    fn value(&self) -> f64 {
-        self.value
-    }
-
-    fn normal(&self) -> &DMatrix<f64> {
-        &self.normal.0
-    }
-
-    fn gradient(&self) -> &DVector<f64> {
-        &self.normal.1
-    }
-}
+/// A hypothesis at given unknowns: what it predicts of each block there, and how far beyond its
+/// bounds it is.
+pub(in crate::diagnose) type State = Expansion<(Vec<OnBlock>, f64)>;
