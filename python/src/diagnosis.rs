@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use sesc::report::diagnose::{DiagnoseReport, page, text};
 use sesc_identify::Error;
 use sesc_identify::NextStep;
-use sesc_identify::diagnose::{self, Request, Verdict, corrected_urdf};
+use sesc_identify::diagnose::{self, Request, Verdict, remedy};
 use sesc_identify::files::NewFile;
 use sesc_identify::fit::prior::PriorChoice;
 use sesc_identify::logs::Recording;
@@ -215,7 +215,7 @@ pub fn correct_urdf(
         let prior = PriorChoice::from(prior.as_str())
             .of(&model)
             .during(Doing::Fit)?;
-        let corrected = corrected_urdf::of_model_file(
+        let corrected = remedy::of_model_file(
             &file,
             &robot,
             &model,

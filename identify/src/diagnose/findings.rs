@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use sesc_model::ModelFile;
 use sesc_model::effects::{EffectContext, Fitted, Target};
 
-use super::corrected_urdf::CorrectedUrdf;
 use super::experiment::NextLog;
 use super::held_out::HeldOut;
 use super::hypothesis::{FREE_MASSES, Term};
 use super::problem::Fit;
+use super::remedy::CorrectedUrdf;
 use super::view::DiagnosisView;
 use crate::NextStep;
 use crate::feet::ClosureFound;
@@ -24,12 +24,9 @@ use crate::observations::revisits::Again;
 use crate::observations::samples::Samples;
 
 /// What a diagnosis comes to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename_all = "snake_case")
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Simulation and data agree.
     None,
@@ -77,12 +74,6 @@ impl Verdict {
         Verdict::ALL
             .into_iter()
             .find(|verdict| verdict.name() == name)
-    }
-}
-
-impl Serialize for Verdict {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
     }
 }
 

@@ -6,7 +6,6 @@
 //! ```
 
 mod com_spread;
-pub mod corrected_urdf;
 mod criteria;
 mod diagnosis;
 mod dictionary;

@@ -15,7 +15,6 @@ use std::sync::Arc;
 use sesc_model::effects::{Catalog, Experiment};
 use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
-use super::corrected_urdf;
 use super::findings::{About, Explained, NextPostures, Report, Verdict};
 use super::model_file::{model_file, on_log};
 use super::problem::{Block, Problem, soles_of};
@@ -287,7 +286,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         .corrected_urdf
         .then(|| {
             let (snapping, total) = (request.snapping, request.total_mass);
-            corrected_urdf::of(&problem, &found, robot, snapping, &prior, total)
+            remedy::corrected_urdf(&problem, &found, robot, snapping, &prior, total)
         })
         .transpose()?;
     remedy::add(&problem, &mut found, &robot.description, &request.servos);
@@ -297,16 +296,14 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         check_result(&model_file)?;
     }
     found.diagnosis.model_on_log = on_log(&problem, &found.best, &model_file)?;
-    let said = verdict::sentences(&problem, &found);
-    found.diagnosis.sentence = said.whole();
-    found.diagnosis.lead = said.lead;
+    verdict::state(&problem, &mut found);
     let warnings = watch.warnings.iter().map(|warning| warning.to_string());
     found.diagnosis.warnings = warnings.collect();
     Ok(Report {
         model_file,
         corrected_urdf: corrected,
         frees_masses: found.best.frees_masses(),
-        of_the_log: corrected_urdf::of_the_log(&problem, &found),
+        of_the_log: remedy::of_the_log(&problem, &found),
         view: request.view.then(|| {
             let skeleton = Skeleton::of(&model, &robot.description, meshes);
             DiagnosisView::of(&problem, &found, skeleton)

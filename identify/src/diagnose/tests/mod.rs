@@ -200,9 +200,7 @@ fn about() -> About<'static> {
 
 fn diagnosed(problem: &mut Problem) -> Explained {
     let mut found = find(problem, &about(), &mut ()).unwrap();
-    let said = super::verdict::sentences(problem, &found);
-    found.diagnosis.sentence = said.whole();
-    found.diagnosis.lead = said.lead;
+    super::verdict::state(problem, &mut found);
     found
 }
 
