@@ -50,7 +50,10 @@ pub fn find<'m>(
     let (mut ranked, implausible) = match about.usable && !hopeless {
         true => {
             let mut ranked = search.run(watch)?;
-            ranked.retain(|fit| !too_many_outliers(fit));
+            // More postures are outliers than outliers can explain.
+            let outliers = |fit: &Fit| fit.outliers.as_ref().map_or(0, |o| o.named().len());
+            let most = criteria::OUTLIER_SHARE * whole_problem.first().data.len() as f64;
+            ranked.retain(|fit| outliers(fit) as f64 <= most);
             judged(&mut search, ranked, &none)
         }
         false => (vec![none.clone()], None),
@@ -79,25 +82,36 @@ pub fn find<'m>(
     let baseline = held_out::of_cad(problem);
     let steps = held_out::order(&best, &mut |terms| search.fit(terms, None));
     let null = search.fit(&[], None);
-    let last_step = steps.last().unwrap_or(&null);
+    let last_step = steps.last().map_or(&null, |(_, last)| last);
     let held_out = |step: &Fit| {
         let apart = held_out::apart_on_the_way(problem, step, last_step);
         let (own, step) = settle(problem, step);
         held_out::cross_validate(&own, &step, &apart)
     };
-    let held: Vec<HeldOut> = [&null].into_iter().chain(&steps).map(held_out).collect();
-    let evidence: Vec<f64> = best
-        .terms
-        .iter()
-        .map(|term| {
-            let others: Vec<Term> = best.terms.iter().filter(|i| *i != term).cloned().collect();
-            let without = search.fit(&others, Some(&best));
-            settle(problem, &without).1.objective + without.penalty - best.score()
-        })
+    let held: Vec<HeldOut> = [&null]
+        .into_iter()
+        .chain(steps.iter().map(|(_, step)| step))
+        .map(held_out)
         .collect();
+    let mut evidence = |place: usize| {
+        let mut others = best.terms.clone();
+        others.remove(place);
+        let without = search.fit(&others, Some(&best));
+        settle(problem, &without).1.objective + without.penalty - best.score()
+    };
+    let told: Vec<usize> = steps.iter().map(|(place, _)| *place).collect();
+    let evidence: Vec<f64> = told.iter().map(|place| evidence(*place)).collect();
     let counted = search.fitted;
     let expected = Misfit::of(problem, &null);
-    let raw = raw_misfit(problem);
+    let first = problem.first();
+    let raw = baseline.errors.iter().zip(&first.weight).enumerate();
+    let raw = raw.map(|(row, (gap, weight))| (gap * weight * first.widened[row % 2]).powi(2));
+    // Of the robot with CAD masses, in the log that is reported.
+    let raw = Misfit {
+        chi2: raw.sum(),
+        expected: baseline.errors.len() as f64,
+        rows_per_sample: first.rows_per_sample(),
+    };
     let members = members(problem, &class);
     let (own, settled) = settle(problem, &best);
     let own = match own {
@@ -128,8 +142,7 @@ pub fn find<'m>(
         (_, _, 1) => Verdict::Named,
         _ => Verdict::Class,
     };
-    let steps = steps_told(problem, &best, &steps, &held, &evidence);
-    let (told, steps): (Vec<usize>, Vec<Step>) = steps.into_iter().unzip();
+    let steps = steps_told(problem, &best, &told, &held, &evidence);
     let end = held.last().unwrap_or(&baseline);
     let outliers = best.outliers.iter().flat_map(Outliers::named);
     let outliers = outliers.map(|k| problem.first().data.pose[k]);
@@ -339,81 +352,45 @@ fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
     class
 }
 
-/// Whether more postures are outliers than outliers can explain.
-fn too_many_outliers(fit: &Fit) -> bool {
-    let share = |o: &Outliers| o.named().len() as f64 / o.chance.len() as f64;
-    fit.outliers
-        .as_ref()
-        .is_some_and(|o| share(o) > criteria::OUTLIER_SHARE)
-}
-
-/// χ² of the robot with CAD masses in the log that is reported.
-fn raw_misfit(problem: &Problem) -> Misfit {
-    let block = &problem.first();
-    let out = block.evaluate(&[], &[], &block.data.q, &block.data.posture_context);
-    let gaps = block.residual(&out);
-    let whole = gaps
-        .iter()
-        .enumerate()
-        .map(|(row, gap)| gap * block.widened[row % 2]);
-    Misfit {
-        chi2: whole.map(|gap| gap.powi(2)).sum(),
-        expected: out.len() as f64,
-        rows_per_sample: block.rows_per_sample(),
-    }
-}
-
-/// The steps in the order in which they close the gap, each with its place among the terms.
+/// The steps in the order in which they close the gap, `told` by their places among the terms.
 fn steps_told(
     problem: &Problem,
     best: &Fit,
-    steps: &[Fit],
+    told: &[usize],
     held: &[HeldOut],
     evidence: &[f64],
-) -> Vec<(usize, Step)> {
+) -> Vec<Step> {
     let (context, values) = (&problem.first().context, words::values(problem, best));
     let quantity = |found: &words::NamedValue<'static>| {
         let (value, std) = (found.value, found.std);
         (found.name, Quantity { value, std })
     };
-    let mut before: Vec<Term> = Vec::new();
-    let mut told = Vec::new();
-    for (k, step) in steps.iter().enumerate() {
-        let Some(at) = best
-            .terms
-            .iter()
-            .position(|i| step.terms.contains(i) && !before.contains(i))
-        else {
-            continue;
-        };
-        let term = &best.terms[at];
-        before.push(term.clone());
+    let step = |(k, &at): (usize, &usize)| {
+        let (term, values) = (&best.terms[at], &values[at]);
         let (rmse_before, rmse_after) = (held[k].gap.rmse, held[k + 1].gap.rmse);
-        let step = Step {
+        let way = match rmse_after > rmse_before {
+            true => "rises",
+            false => "falls",
+        };
+        Step {
             effect: term.name(),
             target: term.target_name(context),
             acts_on: ActsOn::of(term, context),
-            parameters: values[at].iter().map(quantity).collect(),
+            parameters: values.iter().map(quantity).collect(),
             fitted: term.fitted(context),
             rmse_before,
             rmse_after,
-            evidence: evidence[at],
+            evidence: evidence[k],
             sentence: format!(
-                "{}: the held-out gap {} from {:.2} mm to {:.2} mm.",
-                capital(&words::clause(context, term, &values[at])),
-                if rmse_after > rmse_before {
-                    "rises"
-                } else {
-                    "falls"
-                },
+                "{}: the held-out gap {way} from {:.2} mm to {:.2} mm.",
+                capital(&words::clause(context, term, values)),
                 1e3 * rmse_before,
                 1e3 * rmse_after
             ),
             remedy: Remedy::default(),
-        };
-        told.push((at, step));
-    }
-    told
+        }
+    };
+    told.iter().enumerate().map(step).collect()
 }
 
 /// The explanations of a class, as they are listed.

@@ -133,23 +133,23 @@ fn of_errors(mut errors: Vec<f64>, apart: &[bool]) -> HeldOut {
     }
 }
 
-/// Effects in the order in which they close the gap: each next one the one that
-/// lowers the objective most beside those before.
-pub fn order(best: &Fit, fit: &mut dyn FnMut(&[Term]) -> Fit) -> Vec<Fit> {
-    let mut left = best.terms.clone();
+/// Effects in the order in which they close the gap, each by its place among those of `best` and
+/// with those before it: the next one is the one that lowers the objective most beside them.
+pub fn order(best: &Fit, fit: &mut dyn FnMut(&[Term]) -> Fit) -> Vec<(usize, Fit)> {
+    let mut left: Vec<usize> = (0..best.terms.len()).collect();
     let mut taken: Vec<Term> = Vec::new();
     let mut steps = Vec::new();
     while !left.is_empty() {
-        let tried = left.iter().enumerate().map(|(k, next)| {
-            let mut terms = taken.clone();
-            terms.push(next.clone());
+        let tried = left.iter().enumerate().map(|(k, &place)| {
+            let terms = [&taken[..], &best.terms[place..=place]].concat();
             (k, fit(&terms))
         });
         let (k, next) = tried
             .min_by(|a, b| a.1.score().total_cmp(&b.1.score()))
             .expect("something is left");
-        taken.push(left.remove(k));
-        steps.push(next);
+        let place = left.remove(k);
+        taken.push(best.terms[place].clone());
+        steps.push((place, next));
     }
     steps
 }

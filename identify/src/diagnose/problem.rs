@@ -18,7 +18,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DMatrixView, DVector};
-use sesc_model::effects::{self, EffectContext, EffectId, PostureContext};
+use sesc_model::effects::{self, EffectContext, EffectId};
 
 use super::criteria;
 use super::hypothesis::{self, CarriedExplanation, Term, carried, with_places};
@@ -30,9 +30,8 @@ use crate::lsq::solve::Beyond;
 use crate::observations::correlation::Correlation;
 
 use crate::svd::svd;
-pub(super) use block::Rewire;
 pub use block::{Block, Closed, OwnSides};
-pub(super) use block::{side, soles_of};
+pub(super) use block::{run_alone, side, soles_of};
 pub(super) use fitting::Weighting;
 
 /// Logs of a robot, and the prior of its masses.
@@ -221,8 +220,12 @@ impl<'m> Problem<'m> {
 
     /// `terms` as this block has them.
     pub(super) fn carried(&self, block: &Block, terms: &[Term]) -> CarriedExplanation {
-        let experiment = block.further.as_ref().map(|further| further.experiment);
-        carried(experiment, &self.first().context, &block.context, terms)
+        carried(
+            block.experiment,
+            &self.first().context,
+            &block.context,
+            terms,
+        )
     }
 
     /// Rows per independent one, of the block and axis that have fewest.
@@ -499,10 +502,7 @@ impl<'m> Problem<'m> {
             .map(|(at, block)| {
                 let log = &block.data.posture_context;
                 match sides(at) {
-                    Some(own) => {
-                        let layout = PostureContext::of(block.context.robot);
-                        Cow::Owned(own.context(&layout, log))
-                    }
+                    Some(own) => Cow::Owned(block.context_of(own)),
                     None => Cow::Borrowed(&log[..]),
                 }
             })

@@ -5,11 +5,12 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use nalgebra::DVector;
+use sesc_model::tape::Tape;
 
 use super::criteria;
 use super::dictionary::Dictionary;
 use super::hypothesis::{Term, effect_terms, sorted};
-use super::problem::{Fit, Problem, Proposal, Rewire, stacked_residual, stacked_slopes};
+use super::problem::{Fit, Problem, Proposal, run_alone, stacked_residual, stacked_slopes};
 use crate::lsq::factor_normal;
 use crate::threads::each_long;
 
@@ -133,14 +134,13 @@ fn residual(
         let own = problem.carried(block, std::slice::from_ref(fault));
         block.rewired(&own.terms)
     });
-    let (q, rewires): (Vec<Vec<f64>>, Vec<Rewire>) = rewired.unzip();
+    let (q, rewires): (Vec<Vec<f64>>, Vec<Option<Tape>>) = rewired.unzip();
     let mut predicted = problem.predict(terms, unknowns, contexts, Some(&q));
-    for ((on, block), rewire) in predicted
-        .iter_mut()
-        .zip(problem.blocks.iter())
-        .zip(&rewires)
-    {
-        on.residual = Arc::new(block.residual(&rewire.readings(&on.predicted)));
+    for ((on, block), rewire) in predicted.iter_mut().zip(&problem.blocks).zip(&rewires) {
+        if let Some(tape) = rewire {
+            let readings = run_alone(tape, &on.predicted, block.data.len());
+            on.residual = Arc::new(block.residual(&readings));
+        }
     }
     stacked_residual(&predicted)
 }

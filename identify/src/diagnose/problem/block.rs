@@ -59,18 +59,12 @@ pub struct Block<'m> {
     motion_rows: Option<Arc<DMatrix<f64>>>,
     /// Both soles on one floor, where the log is of both feet.
     pub(crate) closure: Option<Arc<Closure>>,
-    /// What this block makes of the first one's unknowns and masses; none of the first itself.
-    pub further: Option<Further>,
+    /// What the log is of beside the first one; none of the first itself.
+    pub experiment: Option<Experiment>,
+    /// Base parameters here from those of the first block; none on the same support.
+    shift: Option<Arc<Shift>>,
     /// Shared by copies of the block, whose noise may be another.
     tapes: Arc<Mutex<HashMap<(Output, Vec<Instance>), Arc<Tape>>>>,
-}
-
-/// A block beside the first one.
-#[derive(Clone)]
-pub struct Further {
-    pub experiment: Experiment,
-    /// Base parameters here from those of the first block; none on the same support.
-    pub shift: Option<Arc<Shift>>,
 }
 
 /// Whitened rows of the soles: three a posture.
@@ -123,11 +117,9 @@ impl<'m> Block<'m> {
         });
         if data.noise_source == NoiseSource::Residuals {
             let mut out = Evaluator::new(model, Function::Cop).run(&data.q, n);
-            let moved = data
-                .moved
-                .iter()
-                .flat_map(|moved| moved.shift.iter().flatten());
-            out.iter_mut().zip(moved).for_each(|(cop, by)| *cop += by);
+            let moved = data.moved.iter().flat_map(|moved| &moved.shift);
+            let moved = out.iter_mut().zip(moved.flatten());
+            moved.for_each(|(cop, by)| *cop += by);
             let gap = DVector::from_fn(out.len(), |row, _| data.reading[row] - out[row]);
             // Noise, and whatever else is in the log.
             let (left, taken) = without(&rows, gap);
@@ -146,7 +138,8 @@ impl<'m> Block<'m> {
             rows: Arc::new(rows),
             motion_rows,
             closure: closure.map(Arc::new),
-            further: None,
+            experiment: None,
+            shift: None,
             tapes: Arc::default(),
         }
     }
@@ -154,9 +147,9 @@ impl<'m> Block<'m> {
     /// This log as one of an `experiment` beside the `first`.
     pub fn beside(self, first: &Block, experiment: Experiment) -> Block<'m> {
         let elsewhere = self.model.support() != first.model.support();
-        let shift = elsewhere.then(|| Arc::new(self.model.params_from(first.context.robot)));
         Block {
-            further: Some(Further { experiment, shift }),
+            shift: elsewhere.then(|| Arc::new(self.model.params_from(first.context.robot))),
+            experiment: Some(experiment),
             ..self
         }
     }
@@ -242,7 +235,7 @@ impl<'m> Block<'m> {
 
     /// Rows by the base parameters of the first block.
     pub(in crate::diagnose) fn rows_of_first(&self) -> DMatrix<f64> {
-        match self.shift() {
+        match &self.shift {
             Some(shift) => &*self.rows * &shift.matrix,
             None => (*self.rows).clone(),
         }
@@ -250,17 +243,13 @@ impl<'m> Block<'m> {
 
     /// Base parameters here where those of the first block are `r`, m.
     pub(in crate::diagnose) fn params_from_first(&self, r: &[f64]) -> Vec<f64> {
-        match self.shift() {
+        match &self.shift {
             Some(shift) => {
                 let own = &shift.matrix * DVector::from_column_slice(r) + &shift.offset;
                 own.as_slice().to_vec()
             }
             None => r.to_vec(),
         }
-    }
-
-    fn shift(&self) -> Option<&Shift> {
-        self.further.as_ref()?.shift.as_deref()
     }
 
     /// Change of what motion adds to readings where masses are `r` (m) and not CAD's, m; empty of
@@ -472,11 +461,32 @@ impl<'m> Block<'m> {
     }
 
     /// The sides on which joints rest in the context of a fit to this log.
-    pub(in crate::diagnose) fn sides_of(&self, posture_context: &[f64]) -> OwnSides {
-        let robot = self.context.robot;
+    pub(in crate::diagnose) fn sides_of(&self, own: &[f64]) -> OwnSides {
+        let (robot, log) = (self.context.robot, &self.data.posture_context);
         let layout = PostureContext::of(robot);
-        let log = &self.data.posture_context;
-        OwnSides::of(&layout, robot.dof(), log, posture_context)
+        let postures = || (0..log.len()).step_by(layout.len());
+        let differs = |joint: &usize| {
+            let side = layout.side(*joint);
+            postures().any(|at| own[at + side].to_bits() != log[at + side].to_bits())
+        };
+        let joints: Vec<usize> = (0..robot.dof()).filter(differs).collect();
+        let sides = postures().flat_map(|at| joints.iter().map(move |j| own[at + layout.side(*j)]));
+        OwnSides {
+            sides: Arc::new(sides.collect()),
+            joints,
+        }
+    }
+
+    /// The context of this log with the sides of a fit in it.
+    pub(in crate::diagnose) fn context_of(&self, own: &OwnSides) -> Vec<f64> {
+        let mut context = self.data.posture_context.clone();
+        let places = own.joints.iter().enumerate();
+        for (place, joint) in places {
+            self.put_sides(&mut context, [*joint].into_iter(), |k, _, _| {
+                own.sides[k * own.joints.len() + place]
+            });
+        }
+        context
     }
 
     /// Joint positions of every posture as a hypothesis bends them.
@@ -489,23 +499,20 @@ impl<'m> Block<'m> {
     }
 
     /// The effect of faults of wiring or of the record: the joint positions that they leave, and
-    /// what becomes of a reading (m, two per posture).
-    pub(in crate::diagnose) fn rewired(&self, faults: &[Term]) -> (Vec<f64>, Rewire) {
+    /// what becomes of a reading, where they change it.
+    pub(in crate::diagnose) fn rewired(&self, faults: &[Term]) -> (Vec<f64>, Option<Tape>) {
         let faults = effects_of(faults);
         let q = match faults.iter().any(|own| own.effect.stage() == Stage::Wiring) {
             true => {
                 let joints = Tape::of_many(&effects::wired_joints(&self.context, &faults));
-                let n = self.data.len();
-                let mut q = vec![0.0; n * joints.outputs()];
-                joints.run(&[Values::PerPosture(&self.data.q)], n, &mut q, FASTEST);
-                q
+                run_alone(&joints, &self.data.q, self.data.len())
             }
             false => self.data.q.clone(),
         };
         let of_reading = |own: &Instance| own.effect.is_sensor_effect(&own.target);
         let reading = faults.iter().any(of_reading);
         let rewire = reading.then(|| effects::wired_reading(&self.context, &faults));
-        (q, Rewire(rewire.map(|program| Tape::of_many(&program))))
+        (q, rewire.map(|program| Tape::of_many(&program)))
     }
 }
 
@@ -542,20 +549,11 @@ pub(in crate::diagnose) fn side(moment: f64) -> f64 {
     if moment < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// How a fault of the record changes readings; none where it does not.
-pub(in crate::diagnose) struct Rewire(Option<Tape>);
-
-impl Rewire {
-    /// Readings under the fault, two per posture.
-    pub(in crate::diagnose) fn readings(&self, readings: &[f64]) -> Vec<f64> {
-        let Some(tape) = &self.0 else {
-            return readings.to_vec();
-        };
-        let mut out = vec![0.0; readings.len()];
-        let arguments = [Values::PerPosture(readings)];
-        tape.run(&arguments, readings.len() / 2, &mut out, FASTEST);
-        out
-    }
+/// Outputs of a program of so many postures' own values alone.
+pub(in crate::diagnose) fn run_alone(tape: &Tape, values: &[f64], postures: usize) -> Vec<f64> {
+    let mut out = vec![0.0; postures * tape.outputs()];
+    tape.run(&[Values::PerPosture(values)], postures, &mut out, FASTEST);
+    out
 }
 
 /// The sides on which joints rest in a fit, where they are not those of the log's context.
@@ -564,35 +562,4 @@ pub struct OwnSides {
     joints: Vec<usize>,
     /// Posture by posture.
     sides: Arc<Vec<f64>>,
-}
-
-impl OwnSides {
-    /// The sides by which the context `own` of a fit differs from that of its log; robots have
-    /// `dof` joints.
-    pub fn of(layout: &PostureContext, dof: usize, log: &[f64], own: &[f64]) -> OwnSides {
-        let postures = || (0..log.len()).step_by(layout.len());
-        let differs = |joint: &usize| {
-            let side = layout.side(*joint);
-            postures().any(|at| own[at + side].to_bits() != log[at + side].to_bits())
-        };
-        let joints: Vec<usize> = (0..dof).filter(differs).collect();
-        let sides = postures().flat_map(|at| joints.iter().map(move |j| own[at + layout.side(*j)]));
-        OwnSides {
-            sides: Arc::new(sides.collect()),
-            joints,
-        }
-    }
-
-    /// The context of the fit: that of its log with these sides in it.
-    pub fn context(&self, layout: &PostureContext, log: &[f64]) -> Vec<f64> {
-        let mut all = log.to_vec();
-        let postures = all.chunks_exact_mut(layout.len());
-        let own = self.sides.chunks_exact(self.joints.len().max(1));
-        for (posture, sides) in postures.zip(own) {
-            for (joint, side) in self.joints.iter().zip(sides) {
-                posture[layout.side(*joint)] = *side;
-            }
-        }
-        all
-    }
 }

@@ -67,7 +67,12 @@ impl Problem<'_> {
             if slack {
                 if round == 0 {
                     // A width to begin with, else no side matters.
-                    self.widen(terms, &mut unknowns);
+                    for (term, own) in with_places(terms, &self.first().context) {
+                        match (term.dead_band(), unknowns.get_mut(own.start)) {
+                            (Some(width), Some(first)) if *first == 0.0 => *first = width,
+                            _ => {}
+                        }
+                    }
                 }
                 sides = Some(backlash_sides::settle(
                     self,
@@ -96,15 +101,6 @@ impl Problem<'_> {
             }
         }
         fit.expect("at least one round")
-    }
-
-    fn widen(&self, terms: &[Term], unknowns: &mut [f64]) {
-        for (term, own) in with_places(terms, &self.first().context) {
-            let at = own.start;
-            if let (Some(width), true) = (term.dead_band(), unknowns.get(at) == Some(&0.0)) {
-                unknowns[at] = width;
-            }
-        }
     }
 
     /// Damped least squares with sides and outliers held.
