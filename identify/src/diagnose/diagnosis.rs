@@ -40,7 +40,7 @@ pub fn find<'m>(
     watch: &mut dyn Watch,
 ) -> Result<Explained, Error> {
     let mut search = Search::new(whole_problem.clone());
-    let visible = search.visible().to_vec();
+    let visible = search.visible.clone();
     let too_few = whole_problem.first().too_few();
     // Nothing at all is left to tell the noise from.
     let hopeless =
@@ -65,7 +65,7 @@ pub fn find<'m>(
     let mut best = ranked[0].clone();
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
     let mut class = class(&best, ranked);
-    let whole = search.problem();
+    let whole = Arc::clone(&search.problem);
     let problem = &*whole;
     let misfit = misfit(problem, &best);
     // Noise that was taken from what free masses leave says it where far more is left.
@@ -214,7 +214,7 @@ pub fn find<'m>(
 /// was implausible about a clearly better one, as a sentence. Nothing is missing where no robot has
 /// any.
 fn judged(search: &mut Search, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Option<String>) {
-    let whole = search.problem();
+    let whole = Arc::clone(&search.problem);
     let problem = &*whole;
     let mut better: Option<(f64, String)> = None;
     let mut pass_over = |score: f64, sentence: String| {

@@ -21,6 +21,7 @@ use super::hypothesis::{CarriedExplanation, Term, with_places};
 use super::problem::{Block, Fit, OnBlock, Problem, below, side};
 use crate::Error;
 use crate::logs::{PostureWriter, Row, Sidecar, Written};
+use crate::observations::postures::range as range_of;
 use crate::plan::candidates::sample;
 use crate::plan::design::short_order;
 use crate::plan::scene::Scene;
@@ -221,15 +222,13 @@ impl<'a, 'm> Trial<'a, 'm> {
 /// What is left of `difference` once slopes and masses have taken their part.
 fn least(difference: &DVector<f64>, slopes: &DMatrix<f64>, masses: &DMatrix<f64>) -> DVector<f64> {
     let (p, m) = (slopes.ncols(), masses.ncols());
-    let mut all = DMatrix::zeros(difference.len(), p + m);
-    all.columns_mut(0, p).copy_from(slopes);
+    let mut all = slopes.clone().resize_horizontally(p + m, 0.0);
     all.columns_mut(p, m).copy_from(masses);
     let mut normal = all.tr_mul(&all);
     for k in 0..p + m {
-        normal[(k, k)] += if k < p {
-            1e-9 * normal[(k, k)] + 1e-12
-        } else {
-            1.0
+        normal[(k, k)] += match k < p {
+            true => 1e-9 * normal[(k, k)] + 1e-12,
+            false => 1.0,
         };
     }
     match normal.cholesky() {
@@ -372,31 +371,25 @@ fn candidates(
     robot: &Robot,
     folder: Option<&Path>,
 ) -> Option<Vec<f64>> {
-    let dof = model.dof();
+    let (dof, data) = (model.dof(), &problem.first().data);
     let mut limits = Limits::of_urdf(&model.tree.dofs);
     for (joint, range) in limits.ranges.iter_mut().enumerate() {
-        let values = problem.first().data.q.iter().skip(joint).step_by(dof);
-        let low = values.clone().copied().fold(f64::INFINITY, f64::min);
-        let high = values.copied().fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = range_of(data.q.iter().skip(joint).step_by(dof).copied());
         let room = criteria::BEYOND_LOG * (high - low);
         let narrowed = (range.0.max(low - room), range.1.min(high + room));
         if narrowed.0 < narrowed.1 {
             *range = narrowed;
         }
     }
-    let far = problem.first().data.reading.iter().map(|x| x.abs());
-    let half = far
-        .fold(criteria::COP_BOX_M.0, f64::max)
-        .min(criteria::COP_BOX_M.1);
+    let (least, most) = criteria::COP_BOX_M;
+    let far = data.reading.iter().map(|x| x.abs());
+    let half = far.fold(least, f64::max).min(most);
     let region = Region::square(half, 0.0).ok()?;
     let geometry = Geometry::read(&robot.description, folder);
-    let clearance = criteria::CLEARANCE_M;
+    let (clearance, count) = (criteria::CLEARANCE_M, criteria::CANDIDATES);
     let mut scene = Scene::new(model, &geometry, &limits, &region, clearance, None);
     scene.sigmas = 2.0;
-    let draws = 20 * criteria::CANDIDATES;
-    let (q, _) = sample(&scene, 1, criteria::CANDIDATES, draws, |_| {
-        ControlFlow::Continue(())
-    });
+    let (q, _) = sample(&scene, 1, count, 20 * count, |_| ControlFlow::Continue(()));
     (q.len() >= NEXT_POSTURES * dof).then_some(q)
 }
 

@@ -347,6 +347,16 @@ impl<'m> Problem<'m> {
         terms.iter().map(of).sum()
     }
 
+    /// A hypothesis with one term more, which changes its objective, to first order.
+    pub fn propose(&self, parent: &Fit, term: &Term, change: f64) -> Proposal {
+        let own = std::slice::from_ref(term);
+        Proposal {
+            terms: [&parent.terms[..], own].concat(),
+            predicted_score: parent.score() + change + self.penalty(own),
+            parent: Some(parent.clone()),
+        }
+    }
+
     /// Share the chance of each effect among its targets by how well the logs
     /// see them: `visible` is χ² of an effect of ordinary size at each.
     ///

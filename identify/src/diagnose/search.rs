@@ -8,7 +8,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-use sesc_model::effects::{Stage, Target};
+use sesc_model::effects::Stage;
 
 use super::criteria;
 use super::dictionary::Dictionary;
@@ -23,10 +23,12 @@ use crate::watch::{Watch, tell};
 
 /// Fitted hypotheses.
 pub struct Search<'m> {
-    problem: Arc<Problem<'m>>,
+    pub problem: Arc<Problem<'m>>,
     known: HashMap<Vec<Term>, Fit>,
     base: Dictionary,
-    visible: Vec<(Term, f64)>,
+    /// χ² that each effect of ordinary size would have in this log.
+    pub visible: Vec<(Term, f64)>,
+    /// Hypotheses fitted so far.
     pub fitted: usize,
 }
 
@@ -42,15 +44,6 @@ impl<'m> Search<'m> {
             visible,
             fitted: 0,
         }
-    }
-
-    pub fn problem(&self) -> Arc<Problem<'m>> {
-        Arc::clone(&self.problem)
-    }
-
-    /// χ² that each effect of ordinary size would have in this log.
-    pub fn visible(&self) -> &[(Term, f64)] {
-        &self.visible
     }
 
     fn penalty(&self, term: &Term) -> f64 {
@@ -86,10 +79,7 @@ impl<'m> Search<'m> {
             }
             self.refine(proposals, depth, watch)?;
             beam = self.beam(depth);
-            let with = |count: usize| {
-                let fits = self.known.values().filter(|f| f.terms.len() == count);
-                fits.map(Fit::score).fold(f64::INFINITY, f64::min)
-            };
+            let with = |count: usize| self.least_score(|fit| fit.terms.len() == count);
             if with(depth) >= with(depth - 1) && with(depth + 1) >= with(depth - 1) {
                 break;
             }
@@ -107,20 +97,24 @@ impl<'m> Search<'m> {
     pub fn ranked(&self) -> Vec<Fit> {
         let mut all: Vec<Fit> = self.known.values().cloned().collect();
         // Ties go to the fewest, then to the order of the list.
+        let context = &self.problem.first().context;
+        let ranks = |fit: &Fit| fit.terms.iter().map(|term| term.rank(context)).collect();
         all.sort_by(|a, b| {
             let score = a.score().total_cmp(&b.score());
             score
                 .then(a.terms.len().cmp(&b.terms.len()))
-                .then_with(|| ranks(&self.problem, &a.terms).cmp(&ranks(&self.problem, &b.terms)))
+                .then_with(|| Vec::cmp(&ranks(a), &ranks(b)))
         });
         all
     }
 
+    fn least_score(&self, counts: impl Fn(&&Fit) -> bool) -> f64 {
+        let fits = self.known.values().filter(counts);
+        fits.map(Fit::score).fold(f64::INFINITY, f64::min)
+    }
+
     fn best_score(&self) -> f64 {
-        self.known
-            .values()
-            .map(Fit::score)
-            .fold(f64::INFINITY, f64::min)
+        self.least_score(|_| true)
     }
 
     /// Fit a set of terms once.
@@ -142,76 +136,45 @@ impl<'m> Search<'m> {
     /// What could be added to a hypothesis, so many of each kind and of all, with its predicted
     /// score.
     fn extensions(&self, parent: &Fit, (per_kind, most): (usize, usize)) -> Vec<Proposal> {
-        let own;
-        let wired = parent
-            .terms
-            .iter()
-            .any(|term| term.stage() == Some(Stage::Wiring));
-        let dictionary = match wired {
-            true => {
-                own = Dictionary::new(&self.problem, Some(&self.problem.bent(parent)));
-                &own
-            }
-            false => &self.base,
-        };
+        let is_wiring = |term: &Term| term.stage() == Some(Stage::Wiring);
+        let rewired = parent.terms.iter().any(is_wiring);
+        let rewired =
+            rewired.then(|| Dictionary::new(&self.problem, Some(&self.problem.bent(parent))));
+        let dictionary = rewired.as_ref().unwrap_or(&self.base);
         let gains = dictionary.gains(parent, &self.problem);
-        let mut proposals: Vec<Proposal> = dictionary
-            .candidates
-            .iter()
-            .zip(gains)
-            .filter(|(c, _)| compatible(&parent.terms, &c.term))
-            .map(|(c, gain)| Proposal {
-                terms: with(&self.problem, &parent.terms, &c.term),
-                predicted_score: parent.score() - gain + self.penalty(&c.term),
-                parent: Some(parent.clone()),
-            })
-            .collect();
+        let candidates = dictionary.candidates.iter().zip(gains);
+        let candidates = candidates.filter(|(c, _)| compatible(&parent.terms, &c.term));
+        let proposals = candidates.map(|(c, gain)| self.problem.propose(parent, &c.term, -gain));
+        let mut proposals: Vec<Proposal> = proposals.collect();
         proposals.sort_by(Proposal::order);
         let added = |p: &Proposal| {
             let added = p.terms.iter().find(|i| !parent.terms.contains(i));
             added.map_or("", Term::name)
         };
         keep_some(&mut proposals, added, per_kind, most);
-        for term in [Term::Outliers, Term::Masses] {
-            proposals.extend(self.with_model(parent, term));
+        let models = [
+            (Term::Outliers, with_outliers(parent)),
+            (Term::Masses, self.with_masses(parent)),
+        ];
+        for (term, change) in models {
+            if compatible(&parent.terms, &term) {
+                proposals.extend(change.map(|change| self.problem.propose(parent, &term, change)));
+            }
         }
         proposals
     }
 
-    /// Outliers or masses within other tolerances beside a hypothesis.
-    fn with_model(&self, parent: &Fit, term: Term) -> Option<Proposal> {
-        if !compatible(&parent.terms, &term) {
-            return None;
-        }
-        // Masses that are as free already are no effect.
-        if term == Term::Masses && !self.problem.is_wider() {
-            return None;
-        }
-        let penalty = self.penalty(&term);
-        let predicted_score = match term {
-            Term::Outliers => {
-                let residual = &*parent.blocks[0].residual;
-                let outliers = Outliers::of(residual, None);
-                let root = outliers.root_weights(None);
-                let squares = residual.iter().zip(&root).map(|(e, w)| (e * w).powi(2));
-                let mixture = outliers.objective(residual, None, squares.sum());
-                let plain = residual.norm_squared();
-                parent.score() + (mixture - plain) + penalty
-            }
-            _ => {
-                let wide = self.problem.masses(std::slice::from_ref(&term));
-                let tight = self.problem.masses(&[]);
-                let residual = parent.residual();
-                let left = |n: &Nuisance| residual.dot(&n.project_out_one(&residual));
-                let change = left(wide) + wide.log_det - left(tight) - tight.log_det;
-                parent.score() + change + penalty
-            }
-        };
-        Some(Proposal {
-            terms: with(&self.problem, &parent.terms, &term),
-            predicted_score,
-            parent: Some(parent.clone()),
-        })
+    /// Change of the objective of a hypothesis beside masses within other tolerances; none where
+    /// these are as free already.
+    fn with_masses(&self, parent: &Fit) -> Option<f64> {
+        let (wide, tight) = (
+            self.problem.masses(&[Term::Masses]),
+            self.problem.masses(&[]),
+        );
+        let residual = parent.residual();
+        let left = |n: &Nuisance| residual.dot(&n.project_out_one(&residual));
+        let change = || left(wide) + wide.log_det - left(tight) - tight.log_det;
+        self.problem.is_wider().then(change)
     }
 
     /// The best pairs of a linear search over all of them.
@@ -329,22 +292,17 @@ fn keep_some<T, K: Ord>(all: &mut Vec<T>, kind: impl Fn(&T) -> K, of_each: usize
     all.truncate(most);
 }
 
-fn with(problem: &Problem, terms: &[Term], more: &Term) -> Vec<Term> {
-    sorted(
-        &problem.first().context,
-        &[terms, std::slice::from_ref(more)].concat(),
-    )
+/// Change of the objective of a hypothesis beside outliers.
+fn with_outliers(parent: &Fit) -> Option<f64> {
+    let residual = &*parent.blocks[0].residual;
+    let outliers = Outliers::of(residual, None);
+    let root = outliers.root_weights(None);
+    let squares = residual.iter().zip(&root).map(|(e, w)| (e * w).powi(2));
+    let mixture = outliers.objective(residual, None, squares.sum());
+    Some(mixture - residual.norm_squared())
 }
 
 /// Whether a term may stand beside others.
 fn compatible(terms: &[Term], more: &Term) -> bool {
     terms.iter().all(|term| term.is_compatible(more))
-}
-
-/// The order of hypotheses that are equally good.
-fn ranks(problem: &Problem, terms: &[Term]) -> Vec<(usize, Target)> {
-    terms
-        .iter()
-        .map(|term| term.rank(&problem.first().context))
-        .collect()
 }

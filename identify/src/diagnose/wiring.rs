@@ -9,13 +9,12 @@ use sesc_model::tape::Tape;
 
 use super::criteria;
 use super::dictionary::Dictionary;
-use super::hypothesis::{Term, effect_terms, sorted};
+use super::hypothesis::{Term, effect_terms};
 use super::problem::{Fit, Problem, Proposal, run_alone, stacked_residual, stacked_slopes};
 use crate::lsq::factor_normal;
 use crate::threads::each_long;
 
 pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) -> Vec<Proposal> {
-    let context = &problem.first().context;
     let contexts = problem.posture_contexts(None);
     let with_best = each_long(faults, |fault| {
         let own = std::slice::from_ref(fault);
@@ -39,7 +38,7 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) ->
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let beside = best.map(|(predicted_score, more)| Proposal {
-            terms: sorted(context, &[fault.clone(), more.clone()]),
+            terms: vec![fault.clone(), more.clone()],
             predicted_score,
             parent: None,
         });
@@ -63,19 +62,13 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) ->
 /// Further faults beside a hypothesis that leaves a large gap: its unknowns stay,
 /// but for what a linear step of theirs takes.
 pub fn beside(problem: &Problem, parent: &Fit, faults: &[Term]) -> Vec<Proposal> {
-    let context = &problem.first().context;
     let contexts = problem.posture_contexts(Some(parent));
     let further = faults.iter().filter(|fault| !parent.terms.contains(fault));
     let known = (&parent.terms[..], &parent.unknowns[..]);
     let scores = scores(problem, known, &contexts, further);
-    let proposals = scores.into_iter().map(|(fault, score)| Proposal {
-        predicted_score: score + parent.penalty + problem.penalty(std::slice::from_ref(fault)),
-        terms: sorted(
-            context,
-            &[&parent.terms[..], std::slice::from_ref(fault)].concat(),
-        ),
-        parent: Some(parent.clone()),
-    });
+    let proposals = scores.into_iter();
+    let proposals =
+        proposals.map(|(fault, score)| problem.propose(parent, fault, score - parent.objective));
     let mut proposals: Vec<Proposal> = proposals.collect();
     proposals.sort_by(Proposal::order);
     proposals.truncate(criteria::WIRING_BESIDE.1);

@@ -225,7 +225,7 @@ fn penalties_grow_with_unknowns_and_targets() {
         };
         let names = ["joint_offset", "payload", "joint_scale", "sensor_gain"];
         let even = names.map(|name| chance(&problem, name));
-        let problem = Search::new(problem).problem();
+        let problem = Search::new(problem).problem;
         for (name, even) in names.iter().zip(even) {
             let weighted = chance(&problem, name);
             assert!((weighted / even - 1.0).abs() < 1e-9, "{name}");
