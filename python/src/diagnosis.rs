@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use sesc::report::diagnose::{DiagnoseReport, page, text};
 use sesc_identify::NextStep;
-use sesc_identify::diagnose::{self, Request, corrected_urdf};
+use sesc_identify::diagnose::{self, Request, remedy};
 use sesc_identify::fit::prior::PriorChoice;
 use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
@@ -161,7 +161,7 @@ impl DiagnosisReport {
         let dof = next.dofs.len();
         let q = PyArray1::from_slice(py, &next.q).reshape([next.q.len() / dof.max(1), dof])?;
         let ranks = next.ranks.iter().map(|rank| *rank as i64);
-        let experiment = next.experiment.as_ref().map(|e| e.name());
+        let experiment = Some(next.experiment.name());
         let ranks = PyArray1::from_iter(py, ranks);
         Ok(Some((next.support.clone(), experiment, q, ranks)))
     }
@@ -187,7 +187,7 @@ pub fn correct_urdf(
         let prior = PriorChoice::from(prior.as_str())
             .of(&model)
             .during(Doing::Fit)?;
-        let corrected = corrected_urdf::of_model_file(
+        let corrected = remedy::of_model_file(
             &file,
             &robot,
             &model,

@@ -22,7 +22,7 @@ pub const OVER_NOTHING: f64 = 4.0;
 /// many.
 pub const ADDED_EFFECT: f64 = 3.0;
 /// This many effects at once are less likely than one outside the list: the verdict is
-/// "unexplained". Calibrated on faults outside the list that crowds imitate
+/// "unexplained", and none has more. Calibrated on faults outside the list that crowds imitate
 /// (`tests/it/hidden_effect.rs`, unmodelled effects).
 pub const TOO_MANY_EFFECTS: usize = 4;
 /// Outliers are at most this part of the postures; with more, the rule itself is wrong. Chosen:
@@ -66,24 +66,18 @@ pub const FLOOR_M: f64 = 1e-4;
 
 // The search.
 
-/// Effects in one explanation, at most. Chosen: as many as [`TOO_MANY_EFFECTS`], so that they
-/// can be seen; more costs time.
-pub const DEEPEST: usize = 4;
-/// Explanations that are carried on to the next depth, and how many of one family. Chosen:
-/// twice as many take twice the time; with half the truth of two effects is lost more often.
-pub const BEAM: usize = 10;
-/// Chosen: with more, offsets of one chain of joints fill the beam.
-pub const BEAM_OF_FAMILY: usize = 2;
-/// Candidates that are fitted beside one explanation: of every kind at the first depth, of
-/// every kind and in all later, in all where the best is examined again. Chosen: it costs time;
-/// with fewer the right joint may not be fitted at all.
-pub const FIRST_OF_KIND: usize = 3;
+/// Explanations that are carried on to the next depth: of one family, and of all. Chosen: twice
+/// as many take twice the time; with half the truth of two effects is lost more often, and with
+/// more of a family offsets of one chain of joints fill the beam.
+pub const BEAM: (usize, usize) = (2, 10);
+/// Candidates that are fitted beside one explanation, of each kind and of all: at the first
+/// depth, in all later, and where the best is examined again. Chosen: it costs time; with fewer
+/// the right joint may not be fitted at all.
+pub const FIRST: (usize, usize) = (3, usize::MAX);
 /// Chosen: it costs time, as for the first depth.
-pub const LATER_OF_KIND: usize = 2;
+pub const LATER: (usize, usize) = (2, 8);
 /// Chosen: it costs time, as for the first depth.
-pub const LATER: usize = 8;
-/// Chosen: it costs time where the best explanation is examined again.
-pub const NEAR: usize = 60;
+pub const NEAR: (usize, usize) = (usize::MAX, 60);
 /// Pairs of the linear search that are fitted. Chosen: it costs time; with fewer a pair whose
 /// members say nothing alone may be missed.
 pub const PAIRS: usize = 40;
@@ -98,13 +92,10 @@ pub const WIRING_WORK: usize = 1_000_000;
 pub const WIRING_POSTURES: usize = 100;
 /// Explanations that further wiring faults are tried beside, and how many of each. Chosen: it
 /// costs time.
-pub const WIRING_PARENTS: usize = 5;
-/// Chosen: it costs time.
-pub const WIRING_BESIDE_PARENT: usize = 4;
-/// Wiring faults that are fitted alone, and with one effect beside them. Chosen: it costs time.
+pub const WIRING_BESIDE: (usize, usize) = (5, 4);
+/// Wiring faults that are fitted alone, and as many with one effect beside them. Chosen: it costs
+/// time.
 pub const WIRING_ALONE: usize = 8;
-/// Chosen: it costs time.
-pub const WIRING_PAIRS: usize = 8;
 /// Beyond the first depth a candidate is fitted if its predicted score is within this of the
 /// best, plus this part of the best score. Chosen: it costs time; half of it drops candidates
 /// whose prediction is a little off.
@@ -113,8 +104,6 @@ pub const HOPELESS: f64 = 12.0;
 pub const HOPELESS_PART: f64 = 0.02;
 /// Best explanations that are examined again, and how often. Chosen: it costs time.
 pub const EXAMINED: usize = 3;
-/// Chosen: it costs time.
-pub const EXAMINATIONS: usize = 3;
 /// Columns that others copy to this part of their square are the others. Chosen: an angle of
 /// 0.2° between columns; a factor of two changes it by its root.
 pub const COPIED: f64 = 1e-5;
@@ -142,8 +131,9 @@ pub const MOMENT_CERTAIN: f64 = 2.0;
 
 // Outliers.
 
-/// No more postures than this part can be outliers while they are looked for. Chosen: it is a
-/// little above [`OUTLIER_SHARE`], so that the rule can be seen to fail.
+/// No more postures than this part can be outliers while they are looked for, or be left out where
+/// a model file is compared. Chosen: it is a little above [`OUTLIER_SHARE`], so that the rule can be
+/// seen to fail.
 pub const LARGEST_OUTLIER_SHARE: f64 = 0.25;
 /// Outliers scatter this many times as much as noise. Chosen: half the least calls the tail of
 /// noise outliers; the largest is no bound in practice.
@@ -206,19 +196,14 @@ pub const CARRIED_SHARE: f64 = 0.1;
 
 /// Whether the model file predicts what the diagnosis states.
 pub mod model_file {
-    /// What the diagnosis states and what the file predicts agree within this part. Chosen:
-    /// half of it refuses files over differences that nobody sees in a reading.
+    /// What the diagnosis states and what the file predicts agree within this part of it, or of
+    /// the noise where that is more. Chosen: half of it refuses files over differences that
+    /// nobody sees in a reading.
     pub const AGREES: f64 = 0.01;
-    /// Below this part of the noise a difference does not count. Chosen: it is far below what a
-    /// reading shows; a factor of two changes nothing that was seen.
-    pub const BENEATH_NOISE: f64 = 0.01;
     /// A posture in which a loose joint is predicted on its other side reads this many
     /// deviations of its noise elsewhere. Chosen: half of it leaves more postures out of the
     /// comparison.
     pub const OTHER_SIDE: f64 = 0.5;
-    /// Postures of that kind, at most, as a part of all. Chosen: twice as much compares half of
-    /// the log alone.
-    pub const MOST_LEFT_OUT: f64 = 0.25;
 }
 
 /// Noise beside an explanation.

@@ -1,14 +1,19 @@
-//! What a diagnosis says, and what it was made of.
+//! What a diagnosis says, what it leaves to be done, and what it was made of.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
+use sesc_model::ModelFile;
 use sesc_model::effects::{EffectContext, Fitted, Target};
 
+use super::experiment::NextLog;
 use super::held_out::HeldOut;
-use super::hypothesis::Term;
+use super::hypothesis::{FREE_MASSES, Term};
 use super::problem::Fit;
+use super::remedy::CorrectedUrdf;
+use super::view::DiagnosisView;
+use crate::NextStep;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::observations::motion_use::MotionUse;
@@ -18,12 +23,9 @@ use crate::observations::revisits::Again;
 use crate::observations::sample_count::SampleCount;
 
 /// What a diagnosis comes to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename_all = "snake_case")
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Simulation and data agree.
     None,
@@ -71,12 +73,6 @@ impl Verdict {
         Verdict::ALL
             .into_iter()
             .find(|verdict| verdict.name() == name)
-    }
-}
-
-impl Serialize for Verdict {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
     }
 }
 
@@ -438,6 +434,94 @@ pub struct Diagnosis {
     /// without a corrected URDF.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out_of_urdf: Option<Vec<String>>,
+}
+
+impl Diagnosis {
+    /// The verdict in things to do, the most useful first.
+    pub fn next_steps(&self) -> Vec<NextStep> {
+        let mut steps = match self.verdict {
+            Verdict::Unusable => return vec![NextStep::Repair],
+            Verdict::TooShort => vec![NextStep::Plan {
+                support: self.support.clone(),
+            }],
+            Verdict::Unexplained => self.checks(),
+            Verdict::Class => vec![self.tell_apart(), NextStep::KeepModel],
+            Verdict::Named => vec![NextStep::Change, NextStep::KeepModel],
+            Verdict::Absorbed => vec![NextStep::GivePrior],
+            Verdict::None => {
+                let widest = self.blind.first().map(|blind| NextStep::WidenRange {
+                    joint: blind.target.clone(),
+                    unseen: blind.unseen(),
+                });
+                [NextStep::CompareLater].into_iter().chain(widest).collect()
+            }
+        };
+        let masses = |effects: &Vec<String>| effects.iter().any(|one| one == FREE_MASSES);
+        if self.masses_are_cad && self.indistinguishable.iter().any(masses) {
+            steps.insert(0, NextStep::RecordHealthy);
+        }
+        steps.extend(self.again.as_ref().map(Again::step));
+        if self.verdict != Verdict::None {
+            steps.push(NextStep::LookAtPage);
+        }
+        steps
+    }
+
+    /// How to tell the explanations of a class apart.
+    fn tell_apart(&self) -> NextStep {
+        let next = &self.next_postures;
+        let best = next.experiments.first().filter(|best| best.splits > 0);
+        match (best.map(|best| best.what.clone()), next.file.clone()) {
+            (Some(experiment), Some(file)) => NextStep::TakePostures { experiment, file },
+            (Some(experiment), None) => NextStep::WritePostures { experiment },
+            (None, _) => NextStep::LookAtRobot,
+        }
+    }
+
+    /// What to check on the robot where nothing known explains the log, by what is left over.
+    fn checks(&self) -> Vec<NextStep> {
+        let open = self.closure.as_ref().filter(|closure| !closure.closes);
+        let followed = self.suspects.first().map(|suspect| match suspect {
+            Suspect::Place => NextStep::CheckRecording,
+            Suspect::Position(joint) => NextStep::CheckJoint {
+                joint: joint.clone(),
+            },
+            Suspect::Moment(joint) => NextStep::CheckLoad {
+                joint: joint.clone(),
+            },
+        });
+        let always = [
+            NextStep::CheckContact,
+            NextStep::CheckLengths,
+            NextStep::RecordAgain,
+        ];
+        let soles = open.map(|_| NextStep::CheckSoles);
+        soles.into_iter().chain(followed).chain(always).collect()
+    }
+}
+
+/// Everything that was found.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Report {
+    /// What was found, as it is printed.
+    pub diagnosis: Diagnosis,
+    /// Parameters and effects, for predictions and generated code.
+    pub model_file: ModelFile,
+    /// Where it was wanted.
+    pub corrected_urdf: Option<CorrectedUrdf>,
+    /// Whether masses are part of the explanation: those of a corrected URDF then move within
+    /// the usual tolerances, else within those of the request.
+    pub frees_masses: bool,
+    /// What of the explanation belongs to the log alone, a sentence each.
+    pub of_the_log: Vec<String>,
+    /// Where it was wanted.
+    #[doc(hidden)]
+    pub view: Option<DiagnosisView>,
+    /// Postures of the experiment that would tell most, if one would tell explanations apart.
+    pub next: Option<NextLog>,
+    /// What is to be known of the robot.
+    pub notes: Vec<String>,
 }
 
 /// A diagnosis with what reports, models and experiments are made from.

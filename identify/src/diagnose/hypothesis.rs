@@ -36,13 +36,11 @@ pub const FREE_MASSES: &str = FREED.0;
 /// Names and subjects of terms that are no effects.
 const FREED: (&str, &str) = ("mass_distribution", "masses that differ from CAD");
 const OUTLIERS: (&str, &str) = ("cop_outliers", "a few readings that come from elsewhere");
-/// Kinds of terms that are no effects.
-pub const MODELS: usize = 2;
 
 /// What a diagnosis may name that is no effect: its name, the kind of thing that it is about, and
 /// its page, which begins with a sentence.
 #[doc(hidden)]
-pub const MODEL_PAGES: [(&str, &str, &str); MODELS] = [
+pub const MODEL_PAGES: [(&str, &str, &str); 2] = [
     (
         FREE_MASSES,
         "the robot",
@@ -233,28 +231,13 @@ pub(super) struct CarriedExplanation {
     pub terms: Vec<Term>,
     /// Each of their unknowns: which one of the log's it is, and its sign.
     pub columns: Vec<(usize, f64)>,
+    /// Values of a last term that is known: of a weight that is carried.
+    pub known: Vec<f64>,
 }
 
 impl CarriedExplanation {
-    /// The explanation of the log itself.
-    pub fn same(terms: &[Term], context: &EffectContext) -> CarriedExplanation {
-        let unknowns: usize = terms.iter().map(|term| term.unknowns(context)).sum();
-        CarriedExplanation {
-            terms: terms.to_vec(),
-            columns: (0..unknowns).map(|k| (k, 1.0)).collect(),
-        }
-    }
-
     /// Slopes by the unknowns here as slopes by the `count` unknowns of the log.
-    pub fn by_unknowns(&self, slopes: DMatrix<f64>, count: usize) -> DMatrix<f64> {
-        if self
-            .columns
-            .iter()
-            .copied()
-            .eq((0..count).map(|k| (k, 1.0)))
-        {
-            return slopes;
-        }
+    pub fn by_unknowns(&self, slopes: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
         let mut all = DMatrix::zeros(slopes.nrows(), count);
         for (own, &(k, sign)) in slopes.column_iter().zip(&self.columns) {
             let mut to = all.column_mut(k);
@@ -265,7 +248,8 @@ impl CarriedExplanation {
 
     pub fn unknowns(&self, of_log: &[f64]) -> Vec<f64> {
         let columns = self.columns.iter();
-        columns.map(|(k, sign)| sign * of_log[*k]).collect()
+        let own = columns.map(|(k, sign)| sign * of_log[*k]);
+        own.chain(self.known.iter().copied()).collect()
     }
 }
 
@@ -280,9 +264,10 @@ fn moved(term: &Term, here: &EffectContext, there: &EffectContext) -> Option<Ter
     Some(Term::Effect(Instance { effect, target }))
 }
 
-/// What becomes of `terms` of the robot `here`, if anything, in an experiment `there`.
+/// What becomes of `terms` of the robot `here`, if anything, in an experiment `there`; all of them
+/// where it is none.
 pub(super) fn carried(
-    experiment: Experiment,
+    experiment: Option<Experiment>,
     here: &EffectContext,
     there: &EffectContext,
     terms: &[Term],
@@ -290,14 +275,19 @@ pub(super) fn carried(
     let mut carried = CarriedExplanation {
         terms: Vec::new(),
         columns: Vec::new(),
+        known: Vec::new(),
     };
     for (term, own) in with_places(terms, here) {
-        let factors = match term.in_experiment(experiment) {
+        let (there, carry) = match experiment {
+            None => (Some(term.clone()), Carry::Same),
+            Some(experiment) => (moved(term, here, there), term.in_experiment(experiment)),
+        };
+        let factors = match carry {
             Carry::Gone => continue,
             Carry::Scaled(factors) => factors,
             Carry::Same => vec![1.0; own.len()],
         };
-        let Some(there) = moved(term, here, there) else {
+        let Some(there) = there else {
             continue;
         };
         carried.terms.push(there);

@@ -1,4 +1,5 @@
-//! What no effect of the list explains: how much is left, and what it goes with.
+//! What no effect of the list explains: how much is left of readings and of soles, and what it
+//! goes with.
 //!
 //! ```text
 //! share = 1 − Σ_bins Σ (e − ē_bin)² / Σ (e − ē)² · (n − 1)/(n − bins)
@@ -12,6 +13,7 @@ use sesc_model::effects::PostureContext;
 use super::findings::Suspect;
 use super::problem::{Fit, Problem};
 use super::{criteria, held_out};
+use crate::feet::ClosureFound;
 
 /// Bins, at most, and the postures that each has to have.
 const BINS: usize = 10;
@@ -33,7 +35,11 @@ impl Misfit {
         let masses = problem.masses(&fit.terms);
         let shift = problem.mass_shift(fit);
         let (mut chi2, mut rows) = (0.0, 0.0);
-        let blocks = problem.blocks().zip(fit.blocks()).zip(problem.readings());
+        let blocks = problem
+            .blocks
+            .iter()
+            .zip(&fit.blocks)
+            .zip(problem.readings());
         for (at, ((block, own), range)) in blocks.enumerate() {
             let apart = match at {
                 0 => held_out::apart(problem, fit),
@@ -73,7 +79,7 @@ fn residuals(problem: &Problem, fit: &Fit) -> Vec<(usize, [f64; 2])> {
     let shift = problem.mass_shift(fit);
     let apart = held_out::apart(problem, fit);
     let postures = (0..apart.len()).filter(|&k| !apart[k]);
-    let left = |row: usize| fit.first.residual[row] - shift[row];
+    let left = |row: usize| fit.blocks[0].residual[row] - shift[row];
     postures
         .map(|k| (k, [left(2 * k), left(2 * k + 1)]))
         .collect()
@@ -83,11 +89,11 @@ fn residuals(problem: &Problem, fit: &Fit) -> Vec<(usize, [f64; 2])> {
 pub fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
     let residuals = residuals(problem, fit);
     let (data, layout) = (
-        &problem.first.data,
-        PostureContext::of(problem.first.context.robot),
+        &problem.first().data,
+        PostureContext::of(problem.first().context.robot),
     );
-    let dofs = &problem.first.context.robot.tree.dofs;
-    let moments = problem.first.moments_at(&data.q);
+    let dofs = &problem.first().context.robot.tree.dofs;
+    let moments = problem.first().moments_at(&data.q);
     let place = |k: usize| data.posture_context[k * layout.len() + layout.place()];
     let mut found = vec![(Suspect::Place, share(&residuals, place))];
     for (j, dof) in dofs.iter().enumerate() {
@@ -126,4 +132,27 @@ fn share(residuals: &[(usize, [f64; 2])], of: impl Fn(usize) -> f64) -> f64 {
         return 0.0;
     }
     (1.0 - within / whole * (n - 1) as f64 / (n - bins) as f64).max(0.0)
+}
+
+/// Whether more is left of the soles than noise leaves.
+pub(super) fn is_open(problem: &Problem, fit: &Fit) -> bool {
+    let closure = problem.first().closure.as_deref();
+    closure
+        .zip(fit.blocks[0].closed.as_ref())
+        .is_some_and(|(closure, closed)| {
+            let (chi2, expected) = closure.chi2(&closed.residual);
+            chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * expected
+        })
+}
+
+/// What is said of the soles, by CAD (`null`) and with the explanation.
+pub(super) fn closure_found(problem: &Problem, null: &Fit, best: &Fit) -> Option<ClosureFound> {
+    let closure = problem.first().closure.as_deref()?;
+    let (before, after) = (
+        null.blocks[0].closed.as_ref()?,
+        best.blocks[0].closed.as_ref()?,
+    );
+    let found = closure.said(&before.residual, &after.residual);
+    let changed = !best.terms.is_empty() && found.after != found.before;
+    Some(found.explained(changed))
 }

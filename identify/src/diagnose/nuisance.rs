@@ -9,9 +9,23 @@
 //! Y are the regressor rows of the unbent robot: the product of two small
 //! things, effect and mass error, is left out.
 
+use std::sync::Arc;
+
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use crate::lsq::solve::Beyond;
 use crate::lsq::{transposed_times, without_product};
+
+/// What is known of masses before the logs.
+#[derive(Clone)]
+pub struct MassPrior {
+    /// F: base parameters by directions.
+    pub factor: DMatrix<f64>,
+    /// What is known of directions that F has no column for.
+    pub beyond: Beyond,
+    /// The directions in the rows of all blocks.
+    pub nuisance: Arc<Nuisance>,
+}
 
 /// Directions of mass error, whitened: rows as readings, a column per direction.
 #[derive(Debug, Clone)]

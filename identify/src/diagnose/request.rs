@@ -15,15 +15,12 @@ use std::sync::Arc;
 use sesc_model::effects::{Catalog, Experiment};
 use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
-use super::corrected_urdf;
-use super::findings::{About, Explained, NextPostures, Verdict};
-use super::model_file::model_file;
-use super::next_postures;
-use super::problem::{Block, Problem};
+use super::findings::{About, Explained, NextPostures, Report, Verdict};
+use super::model_file::{model_file, on_log};
+use super::problem::{Block, Problem, soles_of};
 use super::remedy::{self, Servo};
-use super::report::{Report, next_log};
 use super::view::DiagnosisView;
-use super::{closure, experiment, model_check, motion, noise, samples, verdict};
+use super::{experiment, motion, noise, samples, verdict};
 use crate::feet::{Feet, Places};
 use crate::fit::fitted::Fitted;
 use crate::fit::prior::{Prior, PriorChoice};
@@ -199,12 +196,12 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             usable: health.is_usable(),
             health: health.findings,
         };
-        let closure = closure::of(&request.feet, sidecar, &model, &mut data, watch)?;
+        let closure = soles_of(&request.feet, sidecar, &model, &mut data, watch)?;
         let first = Block::new(&model, data, closure, &request.effects);
         let others = others.iter().cloned();
         let others = others.map(|(block, experiment)| block.beside(&first, experiment));
-        let others = others.collect();
-        samples::explained(Problem::new(first, others, &prior), &about, watch)
+        let blocks = [first.clone()].into_iter().chain(others).collect();
+        samples::explained(Problem::new(blocks, &prior), &about, watch)
     };
     let (mut problem, mut found, mut correlation) = explain(&data, request.motion, watch)?;
     let share = motion::said(&problem, &found.best);
@@ -229,20 +226,24 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     found.diagnosis.health.extend(overstated);
     let meshes = request.meshes.as_deref();
     found.diagnosis.times = times(&problem);
-    let next = next_postures::next(&problem, &found, robot, request.snapping, meshes);
+    let name = sidecar.robot.as_deref().unwrap_or(&model.tree.robot);
+    let named = (&**robot, name);
+    let proposed = experiment::proposed(&problem, &found, named, request.snapping, meshes);
+    let why = experiment::why(&proposed, &found);
+    let (experiments, logs): (Vec<_>, Vec<_>) = proposed.into_iter().unzip();
+    let tells = experiments.first().is_some_and(|best| best.splits > 0);
+    let next = logs.into_iter().next().filter(|_| tells);
+    let file = next.as_ref().and(request.next_file.as_ref());
     found.diagnosis.next_postures = NextPostures {
-        why: next_postures::why(&next, &found),
-        file: next
-            .telling()
-            .and(request.next_file.as_ref())
-            .map(|path| path.display().to_string()),
-        experiments: next.proposals.clone(),
+        file: file.map(|path| path.display().to_string()),
+        why,
+        experiments,
     };
     let corrected = request
         .corrected_urdf
         .then(|| {
             let (snapping, total) = (request.snapping, request.total_mass);
-            corrected_urdf::of(&problem, &found, robot, snapping, &prior, total)
+            remedy::corrected_urdf(&problem, &found, robot, snapping, &prior, total)
         })
         .transpose()?;
     remedy::add(&problem, &mut found, &robot.description, &request.servos);
@@ -251,27 +252,20 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     if found.diagnosis.verdict != Verdict::Unusable {
         check_result(&model_file)?;
     }
-    let on_log = model_check::check(&problem, &found, &model_file)?;
-    found.diagnosis.model_on_log = on_log;
-    let said = verdict::sentences(&problem, &found);
-    found.diagnosis.sentence = said.whole();
-    found.diagnosis.lead = said.lead;
+    found.diagnosis.model_on_log = on_log(&problem, &found.best, &model_file)?;
+    verdict::state(&problem, &mut found);
     let warnings = watch.warnings.iter().map(|warning| warning.to_string());
     found.diagnosis.warnings = warnings.collect();
     Ok(Report {
         model_file,
         corrected_urdf: corrected,
         frees_masses: found.best.frees_masses(),
-        of_the_log: corrected_urdf::of_the_log(&problem, &found),
+        of_the_log: remedy::of_the_log(&problem, &found),
         view: request.view.then(|| {
             let skeleton = Skeleton::of(&model, &robot.description, meshes);
             DiagnosisView::of(&problem, &found, skeleton)
         }),
-        next: next_log(
-            next,
-            &model,
-            sidecar.robot.as_deref().unwrap_or(&model.tree.robot),
-        ),
+        next,
         notes: model.tree.notes.clone(),
         diagnosis: found.diagnosis,
     })
@@ -343,7 +337,7 @@ fn further_blocks<'m>(
             before.push(own);
             warn_of_left_out(source, &postures, watch);
             let feet = Feet::default();
-            closure = closure::of(&feet, &source.sidecar, there, &mut postures, watch)?;
+            closure = soles_of(&feet, &source.sidecar, there, &mut postures, watch)?;
         }
         let block = Block::new(there, postures, closure, &request.effects);
         blocks.push((block, *experiment));
@@ -595,7 +589,7 @@ fn with_data(request: &Request, problem: &Problem, found: &Explained) -> ModelFi
     let mut file = model_file(problem, &found.best);
     let logs = [&request.log].into_iter().chain(&request.then);
     file.data = logs
-        .zip(problem.blocks())
+        .zip(problem.blocks.iter())
         .filter_map(|(log, block)| {
             let summary = block.data.summary.as_ref()?;
             Some(DataUsed {
@@ -611,7 +605,7 @@ fn with_data(request: &Request, problem: &Problem, found: &Explained) -> ModelFi
 
 /// First and last time of all logs, s.
 fn times(problem: &Problem) -> Option<[f64; 2]> {
-    let blocks = problem.blocks();
+    let blocks = problem.blocks.iter();
     let known = blocks.filter_map(|block| block.data.summary.as_ref()?.times);
     known.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }

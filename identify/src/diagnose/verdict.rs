@@ -11,29 +11,15 @@ use super::words::{self, capital};
 /// Names in a row, at most.
 const NAMED: usize = 4;
 
-/// What is said of a diagnosis.
-pub(super) struct Said {
-    /// Errors of the uncorrected robot.
-    before: String,
-    /// The verdict, without what a title and a table of errors say.
-    pub lead: String,
-    /// The verdict with its effects.
-    verdict: String,
-    /// Errors and limits of the explanation.
-    after: String,
+/// Say in a few sentences what a good colleague would, and, for a page, what that adds to a title
+/// that names the effects and to a table of errors.
+pub(super) fn state(problem: &Problem, found: &mut Explained) {
+    let (sentence, lead) = sentences(problem, found);
+    found.diagnosis.sentence = sentence;
+    found.diagnosis.lead = lead;
 }
 
-impl Said {
-    /// All of it.
-    pub fn whole(&self) -> String {
-        let parts = [&self.before, &self.verdict, &self.after];
-        let parts = parts.into_iter().filter(|part| !part.is_empty());
-        parts.cloned().collect::<Vec<_>>().join(" ")
-    }
-}
-
-/// What a good colleague would say, in a few sentences.
-pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
+fn sentences(problem: &Problem, found: &Explained) -> (String, String) {
     let d = &found.diagnosis;
     let mm = |x: f64| format!("{:.2} mm", 1e3 * x);
     let before = format!(
@@ -52,19 +38,11 @@ pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
     said.extend(d.closure.iter().map(|closure| closure.sentence.clone()));
     let mut lead = said.clone();
     let values = words::values(problem, &found.best);
-    let clauses: Vec<String> = found
-        .best
-        .terms
-        .iter()
-        .zip(&values)
-        .map(|(i, v)| words::clause(&problem.first.context, i, v))
-        .collect();
-    let others: Vec<String> = d
-        .class
-        .iter()
-        .skip(1)
-        .map(|member| member.subjects.clone())
-        .collect();
+    let clauses = found.best.terms.iter().zip(&values);
+    let clauses = clauses.map(|(i, v)| words::clause(&problem.first().context, i, v));
+    let clauses: Vec<String> = clauses.collect();
+    let others = d.class.iter().skip(1);
+    let others: Vec<&str> = others.map(|member| &*member.subjects).collect();
     // The title of a page has the effects.
     let mut rest_of_title = None;
     let mut missing = |how: &str, rest: &str| {
@@ -83,12 +61,7 @@ pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
         )),
         Verdict::Named => missing("", "nothing else that is known explains these data."),
         Verdict::Class => {
-            let shown = others
-                .iter()
-                .take(NAMED)
-                .cloned()
-                .collect::<Vec<_>>()
-                .join("; ");
+            let shown = others[..others.len().min(NAMED)].join("; ");
             let more = match others.len().saturating_sub(NAMED) {
                 0 => String::new(),
                 n => format!("; and {n} more"),
@@ -98,7 +71,7 @@ pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
             missing("most plainly ", &rest);
         }
         Verdict::TooShort => {
-            let [rows, directions] = problem.first.too_few().unwrap_or_default();
+            let [rows, directions] = problem.first().too_few().unwrap_or_default();
             said.push(format!(
                 "The log is too short: {rows} readings for {directions} directions of the masses leave \
                  too few to tell the noise from, so that it is not known whether something is \
@@ -147,8 +120,6 @@ pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
         }
     }
     lead.extend(rest_of_title.unwrap_or_else(|| said[lead.len()..].to_vec()));
-    let verdict = said.join(" ");
-    let mut said = Vec::new();
     if !d.steps.is_empty() {
         let of = match d.last.left_out {
             0 => String::new(),
@@ -171,12 +142,8 @@ pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
         ));
     }
     said.extend(limits(d));
-    Said {
-        before,
-        lead: lead.join(" "),
-        verdict,
-        after: said.join(" "),
-    }
+    said.insert(0, before);
+    (said.join(" "), lead.join(" "))
 }
 
 /// From which size on offsets of the joints that matter show, and which offsets do not.

@@ -20,7 +20,7 @@ pub struct NamedValue<'n> {
 
 /// What each effect of a fit amounts to: deviations by the slopes of the values.
 pub fn values(problem: &Problem, fit: &Fit) -> Vec<Vec<NamedValue<'static>>> {
-    let context = &problem.first.context;
+    let context = &problem.first().context;
     with_places(&fit.terms, context)
         .map(|(term, own)| {
             let (at, count) = (own.start, own.len());

@@ -205,15 +205,15 @@ fn without_any_word_on_noise_free_masses_tell() {
     assert_eq!(data.noise_source, NoiseSource::Residuals);
     let problem = bench.problem(data, "tight");
     // Each axis has its own; a median of 300 sizes scatters by 6.7 %.
-    let std = |axis: usize| 1.0 / problem.first.weight[axis];
+    let std = |axis: usize| 1.0 / problem.first().weight[axis];
     for axis in 0..2 {
         let expected = ((axis + 1) as f64 * NOISE).hypot(1e-4);
         assert!((std(axis) / expected - 1.0).abs() < 0.2, "{axis}");
-        let own = problem.first.weight.iter().skip(axis).step_by(2);
+        let own = problem.first().weight.iter().skip(axis).step_by(2);
         own.for_each(|w| near(w * std(axis), 1.0));
     }
-    let floor = problem.first.data.noise.hypot(1e-4);
-    near(problem.first.data.noise_floor, floor);
+    let floor = problem.first().data.noise.hypot(1e-4);
+    near(problem.first().data.noise_floor, floor);
     let both = (std(0).powi(2) + std(1).powi(2)) / 2.0;
     near(both.sqrt(), floor);
 }
@@ -228,7 +228,7 @@ fn repeats_tell_the_noise_of_each_axis() {
     for axis in 0..2 {
         // Of a mean of two, beside 0.1 mm.
         let expected = ((axis + 1) as f64 * NOISE / 2_f64.sqrt()).hypot(1e-4);
-        let own = problem.first.weight.iter().skip(axis).step_by(2);
+        let own = problem.first().weight.iter().skip(axis).step_by(2);
         for ratio in own.map(|w| w * expected) {
             assert!((ratio - 1.0).abs() < 0.15, "{axis}: {ratio}");
         }

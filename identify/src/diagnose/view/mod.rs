@@ -148,7 +148,7 @@ impl Residuals {
 
 impl DiagnosisView {
     pub(crate) fn of(problem: &Problem, found: &Explained, skeleton: Skeleton) -> DiagnosisView {
-        let (data, dof) = (&problem.first.data, problem.first.model.dof());
+        let (data, dof) = (&problem.first().data, problem.first().model.dof());
         let mut outlier = vec![false; data.len()];
         if let Some(outliers) = &found.best.outliers {
             outliers.named().into_iter().for_each(|k| outlier[k] = true);
@@ -159,8 +159,8 @@ impl DiagnosisView {
             outlier,
         };
         let rest = found.diagnosis.unexplained;
-        let context = &problem.first.context;
-        let (chi2, chi2_readings) = residuals.chi2(&problem.first.weight);
+        let context = &problem.first().context;
+        let (chi2, chi2_readings) = residuals.chi2(&problem.first().weight);
         DiagnosisView {
             used: (0..dof)
                 .map(|joint| range(data.q.iter().copied().skip(joint).step_by(dof)).into())
@@ -207,8 +207,8 @@ pub fn chosen(n: usize, most: usize) -> Vec<usize> {
 }
 
 fn postures(problem: &Problem, residuals: &Residuals) -> Vec<Posture> {
-    let data = &problem.first.data;
-    let dof = problem.first.model.dof();
+    let data = &problem.first().data;
+    let dof = problem.first().model.dof();
     let of = |k: usize| {
         let measured = [0, 1].map(|axis| data.reading[2 * k + axis]);
         let less = |errors: &[f64]| [0, 1].map(|axis| measured[axis] - errors[2 * k + axis]);
@@ -242,7 +242,7 @@ fn differences(problem: &Problem, class: &[Fit]) -> Vec<Vec<f64>> {
     };
     let apart = held_out::apart(problem, best);
     let between = |a: &[f64], b: &[f64]| {
-        let entries = a.iter().zip(b).zip(&problem.first.weight).enumerate();
+        let entries = a.iter().zip(b).zip(&problem.first().weight).enumerate();
         let kept = entries.filter(|(row, _)| !apart[row / 2]);
         rms(kept.map(|(_, ((a, b), w))| (a - b) * w))
     };

@@ -51,7 +51,7 @@ pub(super) fn predicted(
         .iter()
         .filter_map(|&at| Some((&best.terms[at], change(problem, best, at)?)));
     let both = steps.flat_map(|(term, change)| {
-        let subject = term.phrase(&problem.first.context);
+        let subject = term.phrase(&problem.first().context);
         [0, 1].map(|axis| panel(subject.clone(), axis, &change, residuals))
     });
     both.collect()
@@ -64,12 +64,15 @@ fn change(problem: &Problem, best: &Fit, at: usize) -> Option<Vec<f64>> {
         Term::Effect(_) => {}
         Term::Masses => {
             let shift = problem.mass_shift(best);
-            let metres = shift.iter().zip(&problem.first.weight).map(|(s, w)| s / w);
+            let metres = shift
+                .iter()
+                .zip(&problem.first().weight)
+                .map(|(s, w)| s / w);
             return Some(metres.collect());
         }
         Term::Outliers => return None,
     }
-    let context = &problem.first.context;
+    let context = &problem.first().context;
     let (mut terms, mut unknowns) = (Vec::new(), Vec::new());
     for (k, (term, own)) in with_places(&best.terms, context).enumerate() {
         if k != at {
@@ -80,9 +83,10 @@ fn change(problem: &Problem, best: &Fit, at: usize) -> Option<Vec<f64>> {
     let posture_context = problem.posture_contexts(Some(best)).swap_remove(0);
     // Values come with their derivatives by the unknowns.
     let readings = |terms: &[Term], unknowns: &[f64]| -> Vec<f64> {
-        let out = problem
-            .first
-            .evaluate(terms, unknowns, &problem.first.data.q, &posture_context);
+        let out =
+            problem
+                .first()
+                .evaluate(terms, unknowns, &problem.first().data.q, &posture_context);
         out.into_iter().step_by(1 + unknowns.len()).collect()
     };
     let (with, without) = (

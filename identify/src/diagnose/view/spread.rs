@@ -30,14 +30,14 @@ impl Spread {
     pub(super) fn of(problem: &Problem, residuals: &Residuals) -> Spread {
         let counted = |errors: &[f64]| {
             let (mut bins, mut beyond) = (vec![0; BINS], 0);
-            for (error, weight) in errors.iter().zip(&problem.first.weight) {
+            for (error, weight) in errors.iter().zip(&problem.first().weight) {
                 let place = (error * weight + EDGE) / (2.0 * EDGE) * BINS as f64;
                 match (0.0..BINS as f64).contains(&place) {
                     true => bins[place as usize] += 1,
                     false => beyond += 1,
                 }
             }
-            let entries = errors.iter().zip(&problem.first.weight).enumerate();
+            let entries = errors.iter().zip(&problem.first().weight).enumerate();
             let kept = entries.filter(|(row, _)| !residuals.outlier[row / 2]);
             (bins, beyond, rms(kept.map(|(_, (e, w))| e * w)))
         };
@@ -75,8 +75,8 @@ pub struct Regions {
 
 impl Regions {
     pub(super) fn of(problem: &Problem, residuals: &Residuals) -> Regions {
-        let reading = &problem.first.data.reading;
-        let kept: Vec<usize> = (0..problem.first.data.len())
+        let reading = &problem.first().data.reading;
+        let kept: Vec<usize> = (0..problem.first().data.len())
             .filter(|&k| !residuals.outlier[k])
             .collect();
         let ends = [0, 1].map(|axis| {
@@ -105,7 +105,7 @@ impl Regions {
         let region = |(place, own): (usize, &Vec<usize>)| {
             let rows = || own.iter().flat_map(|&k| [2 * k, 2 * k + 1]);
             let of =
-                |errors: &[f64]| rms(rows().map(|row| errors[row] * problem.first.weight[row]));
+                |errors: &[f64]| rms(rows().map(|row| errors[row] * problem.first().weight[row]));
             Region {
                 corner: [
                     ends[0][0] + side * (place / counts[1]) as f64,

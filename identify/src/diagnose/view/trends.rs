@@ -92,12 +92,12 @@ pub(super) fn strongest(
                 _ => false,
             })
     };
-    let data = &problem.first.data;
-    let dofs = &problem.first.context.robot.tree.dofs;
+    let data = &problem.first().data;
+    let dofs = &problem.first().context.robot.tree.dofs;
     let (n, dof) = (data.len(), dofs.len());
-    let weight = problem.first.context.weight();
+    let weight = problem.first().context.weight();
     let moments = match quantity {
-        Quantity::Moment => problem.first.moments_at(&data.q),
+        Quantity::Moment => problem.first().moments_at(&data.q),
         Quantity::Position => Vec::new(),
     };
     let mut ranked = Vec::new();
