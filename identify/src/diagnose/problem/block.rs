@@ -26,6 +26,7 @@ use super::left_by_masses;
 use crate::diagnose::hypothesis::{Term, effects_of, with_places};
 use crate::evaluate::{Evaluator, FASTEST};
 use crate::feet::{Closure, OtherFoot, ROWS};
+use crate::health::wirings;
 use crate::observations::correlation::Process;
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::Postures;
@@ -422,13 +423,7 @@ impl<'m> Block<'m> {
     pub(in crate::diagnose) fn rewired(&self, faults: &[Term]) -> (Vec<f64>, Rewire) {
         let faults = effects_of(faults);
         let q = match faults.iter().any(|own| own.effect.stage() == Stage::Wiring) {
-            true => {
-                let joints = Tape::of_many(&effects::wired_joints(&self.context, &faults));
-                let n = self.data.len();
-                let mut q = vec![0.0; n * joints.outputs()];
-                joints.run(&[Values::PerPosture(&self.data.q)], n, &mut q, FASTEST);
-                q
-            }
+            true => wirings::positions(&self.context, &faults, &self.data.q),
             false => self.data.q.clone(),
         };
         let of_reading = |own: &Instance| own.effect.is_sensor_effect(&own.target);
