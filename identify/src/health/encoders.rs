@@ -97,7 +97,7 @@ fn found(view: &View, joint: usize, far: &[f64], left: f64) -> (Finding, Stuck) 
         view.on.model.dof(),
         &view.on.model.tree.dofs[joint],
     );
-    let mut q = view.q.clone();
+    let mut q = view.q.to_vec();
     let own = q.iter_mut().skip(joint).step_by(dof);
     let positions = own.zip(far).map(|(q, far)| {
         *q += far;
@@ -165,7 +165,7 @@ fn explaining(
     by: Option<&Vec<f64>>,
 ) -> (Vec<f64>, f64) {
     let (n, dof) = (view.len(), view.on.model.dof());
-    let mut q = view.q.clone();
+    let mut q = view.q.to_vec();
     let mut far = vec![0.0; n];
     let gap = |cop: &[f64], row: usize| {
         let (k, axis) = (row / 2, row % 2);

@@ -24,6 +24,7 @@ mod rows;
 mod view;
 pub(crate) mod wirings;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use sesc_model::{Function, Model, Snapping};
@@ -131,9 +132,9 @@ pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &Postures
         model,
         snapping,
     };
-    let mut views = vec![View::new(on, data)];
+    let mut views = vec![View::new(on, Cow::Borrowed(data))];
     if data.moved.is_some() {
-        views.push(View::new(on, &data.standing()));
+        views.push(View::new(on, Cow::Owned(data.standing())));
     }
     // A sensor whose axes are turned is an effect, which a diagnosis names.
     examine_views(&views, false)

@@ -5,6 +5,8 @@
 //! φ = q;  q π/180;  −q_j;  q_a ↔ q_b;  and each of the latter in degrees
 //! ```
 
+use std::borrow::Cow;
+
 use sesc_model::effects::{Catalog, EffectContext, Instance, Stage, Target};
 use sesc_model::{Function, Model, Snapping};
 
@@ -32,7 +34,7 @@ pub(super) struct View<'a> {
     pub on: On<'a>,
     pose: Vec<i64>,
     /// Joint positions, posture by posture, rad or m.
-    pub q: Vec<f64>,
+    pub q: Cow<'a, [f64]>,
     pub reading: Cop,
     /// Deviation of each reading, m; a guess where it is not known yet.
     pub std: Cop,
@@ -46,15 +48,15 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    pub fn new(on: On<'a>, data: &Postures) -> View<'a> {
+    pub fn new(on: On<'a>, data: Cow<'a, Postures>) -> View<'a> {
         let com = Evaluator::new(on.model, Function::Com).run(&data.q, data.len());
         let known = |std: f64| if std.is_nan() { UNKNOWN_NOISE_M } else { std };
+        let std = |k: usize| column(&data.std, 2, k).into_iter().map(known).collect();
         View {
             on,
             pose: data.pose.clone(),
-            q: data.q.clone(),
             reading: [0, 1].map(|k| column(&data.reading, 2, k)),
-            std: [0, 1].map(|k| column(&data.std, 2, k).into_iter().map(known).collect()),
+            std: [0, 1].map(std),
             noise_is_known: data.std.iter().all(|std| !std.is_nan()),
             repeats: match data.noise_source {
                 NoiseSource::Repeats => data.rows_per_posture.sqrt(),
@@ -62,6 +64,10 @@ impl<'a> View<'a> {
             },
             cad: [0, 1].map(|k| column(&com, 3, k)),
             com,
+            q: match data {
+                Cow::Borrowed(data) => Cow::Borrowed(&data.q),
+                Cow::Owned(data) => Cow::Owned(data.q),
+            },
         }
     }
 
@@ -77,7 +83,7 @@ impl<'a> View<'a> {
         View {
             on: self.on,
             pose: chosen.iter().map(|k| self.pose[*k]).collect(),
-            q: of(&self.q, dof),
+            q: Cow::Owned(of(&self.q, dof)),
             reading: both(&self.reading),
             std: both(&self.std),
             noise_is_known: self.noise_is_known,

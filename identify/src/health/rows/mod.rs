@@ -29,6 +29,7 @@ pub(super) mod noise;
 mod screen;
 mod times;
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -147,7 +148,7 @@ impl LogRows {
         let pose: Vec<i64> = read.iter().map(|(k, _)| self.pose[*k]).collect();
         let cop: Vec<f64> = read.iter().flat_map(|(_, y)| *y).collect();
         let data = Postures::of_rows(self.dof, (&pose, &q, &cop), self.noise, 0.0);
-        View::new(on, &data)
+        View::new(on, Cow::Owned(data))
     }
 
     /// Some of the rows with their readings as they are.
