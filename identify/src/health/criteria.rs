@@ -17,10 +17,10 @@ pub(super) const SHOWS: f64 = 3.0;
 //
 // in variances of the noise; `cargo xtask study health` counts what comes of it.
 
-/// Closed form: noise of 38 postures is known to 16 %, and leaves so much of itself in one of
-/// 1000 logs. It is the cost of masses within the tolerances of CAD, too, and below it nothing is
-/// asked. Half as much above 1 takes chance for what masses do not explain, twice as much misses
-/// quiet sensors.
+/// Closed form: noise of 38 postures is known to 16 %, and by chance is so much more than it is
+/// thought to be in one of 300 logs. It is the cost of masses within the tolerances of CAD, too, and
+/// below it nothing is asked. Half as much above 1 takes chance for what masses do not explain,
+/// twice as much misses quiet sensors.
 pub(super) const BY_CHANCE: f64 = 1.5;
 /// How many times what a fault leaves beyond the noise others leave. Chosen: masses that are off
 /// leave twice as much beside a wiring as beside one unknown a posture (closed form); half of it
