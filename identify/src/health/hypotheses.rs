@@ -17,9 +17,10 @@
 //! found if         s²(known) > cost(known) · (1 + m · max(s²(fault) − chance, 0))
 //! ```
 //!
-//! for every known explanation. The costs, `m` and the chance stand in [`super::criteria`]. A
-//! diagnosis fits turned axes of the sensor beside all else; a fit of masses takes them for masses,
-//! and asks here first.
+//! for CAD and wirings beside another frame, wirings and masses beside turned axes, and all four
+//! beside a stuck encoder. The costs, `m` and the chance stand in [`super::criteria`]. A diagnosis
+//! fits turned axes of the sensor beside all else; a fit of masses takes them for masses, and asks
+//! here first.
 //!
 //! An axis of the readings goes with the postures where CAD under some wiring explains more of it
 //! than chance does in one of [`CHANCE`] logs:
