@@ -67,11 +67,9 @@ pub(super) fn overstated(problem: &Problem, found: &Explained) -> Option<Finding
 /// What is left of each posture, mm.
 fn left(problem: &Problem, found: &Explained) -> Picture {
     let left = |row: usize| 1e3 * found.best.blocks[0].residual[row] / problem.first().weight[row];
-    let row = |k: usize| Row::among(&problem.first().data, k);
-    Picture::chosen(
-        "What is left of the CoP, mm",
-        problem.first().data.len(),
-        row,
-        |k| [0, 1].map(|axis| (left(2 * k + axis), true)),
-    )
+    let data = &problem.first().data;
+    let row = |k: usize| Row::among(&data.pose, &data.q, k);
+    Picture::new("What is left of the CoP, mm", data.len(), row, |k| {
+        vec![(left(2 * k), true), (left(2 * k + 1), true)]
+    })
 }

@@ -9,8 +9,9 @@ use sesc_model::tape::Tape;
 
 use super::criteria;
 use super::dictionary::Dictionary;
-use super::hypothesis::{Term, effect_terms};
-use super::problem::{Fit, Problem, Proposal, run_alone, stacked_residual, stacked_slopes};
+use super::hypothesis::Term;
+use super::problem::{Fit, Problem, Proposal, stacked_residual, stacked_slopes};
+use crate::health::wirings;
 use crate::lsq::factor_normal;
 use crate::threads::each_long;
 
@@ -79,8 +80,10 @@ pub fn beside(problem: &Problem, parent: &Fit, faults: &[Term]) -> Vec<Proposal>
 /// postures.
 pub fn faults(problem: &Problem) -> Vec<Term> {
     let context = &problem.first().context;
-    let mut all = effect_terms(context);
-    all.retain(|term| term.unknowns(context) == 0);
+    let all: Vec<Term> = wirings::faults(context)
+        .into_iter()
+        .map(Term::Effect)
+        .collect();
     let postures: usize = problem.blocks.iter().map(|block| block.data.len()).sum();
     let every = (all.len() * postures).div_ceil(criteria::WIRING_WORK);
     if every < 2 {

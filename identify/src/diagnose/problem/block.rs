@@ -27,6 +27,7 @@ use crate::Error;
 use crate::diagnose::hypothesis::{CarriedExplanation, Term, effects_of, with_places};
 use crate::evaluate::{Evaluator, FASTEST};
 use crate::feet::{Closure, Feet, ROWS, of_many, of_one_foot, tell_contacts};
+use crate::health::wirings;
 use crate::logs::Sidecar;
 use crate::observations::correlation::Process;
 use crate::observations::noise::NoiseSource;
@@ -503,10 +504,7 @@ impl<'m> Block<'m> {
     pub(in crate::diagnose) fn rewired(&self, faults: &[Term]) -> (Vec<f64>, Option<Tape>) {
         let faults = effects_of(faults);
         let q = match faults.iter().any(|own| own.effect.stage() == Stage::Wiring) {
-            true => {
-                let joints = Tape::of_many(&effects::wired_joints(&self.context, &faults));
-                run_alone(&joints, &self.data.q, self.data.len())
-            }
+            true => wirings::positions(&self.context, &faults, &self.data.q),
             false => self.data.q.clone(),
         };
         let of_reading = |own: &Instance| own.effect.is_sensor_effect(&own.target);
