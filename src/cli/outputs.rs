@@ -294,7 +294,9 @@ impl Together {
     pub(super) fn add(&mut self, path: &Path, text: &str) -> Result<(), Error> {
         match is_standard(path) {
             true => self.printed = Some(text.to_string()),
-            false => self.files.push((path.to_path_buf(), files::begun(path, text)?)),
+            false => self
+                .files
+                .push((path.to_path_buf(), files::begun(path, text)?)),
         }
         Ok(())
     }

@@ -77,69 +77,10 @@ impl Block {
         }
     }
 
-    /// Add the rows of `other`, which has the same columns.
-    pub(super) fn append(&mut self, other: Block) {
-        if self.is_empty() {
-            *self = other;
-            return;
-        }
-        self.line.extend(other.line);
-        self.pose.extend(other.pose);
-        self.q.extend(other.q);
-        join(&mut self.t, other.t);
-        join(&mut self.support, other.support);
-        join(&mut self.reading, other.reading);
-        join(&mut self.std, other.std);
-        join(&mut self.gravity, other.gravity);
-        join(&mut self.load, other.load);
-        join(&mut self.other, other.other);
-        if let (Some(own), Some(cells)) = (&mut self.cells, other.cells) {
-            own.force.extend(cells.force);
-            join(&mut own.std, cells.std);
-        }
-    }
-
-    /// Take the first `count` rows away.
-    pub(super) fn split_first(&mut self, count: usize) -> Block {
-        let count = count.min(self.len());
-        let width = self.q.len() / self.len().max(1);
-        let cells = self.cells.as_mut().map(|cells| {
-            let values = count * cells.count;
-            Cells {
-                count: cells.count,
-                force: cells.force.drain(..values).collect(),
-                std: first(&mut cells.std, values),
-            }
-        });
-        Block {
-            line: self.line.drain(..count).collect(),
-            pose: self.pose.drain(..count).collect(),
-            t: first(&mut self.t, count),
-            support: first(&mut self.support, count),
-            q: self.q.drain(..count * width).collect(),
-            reading: first(&mut self.reading, count),
-            std: first(&mut self.std, count),
-            cells,
-            gravity: first(&mut self.gravity, count),
-            load: first(&mut self.load, count),
-            other: first(&mut self.other, count),
-        }
-    }
-
     /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.line.is_empty()
     }
-}
-
-fn join<T>(own: &mut Option<Vec<T>>, other: Option<Vec<T>>) {
-    if let (Some(own), Some(other)) = (own, other) {
-        own.extend(other);
-    }
-}
-
-fn first<T>(all: &mut Option<Vec<T>>, count: usize) -> Option<Vec<T>> {
-    Some(all.as_mut()?.drain(..count).collect())
 }
 
 /// The same of a column that not every log has.
