@@ -17,7 +17,6 @@ use crate::report::unusable;
 use crate::servos;
 use sesc_identify::NextStep;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
-use sesc_identify::logs;
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -33,7 +32,7 @@ const UNCORRECTED: &str = "the error of the uncorrected model";
 
 /// Find where simulation and measurement disagree, and name the missing effect
 #[derive(Args)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", logs::columns_text()))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::columns_text()))]
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,

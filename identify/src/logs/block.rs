@@ -100,33 +100,6 @@ impl Block {
         }
     }
 
-    /// Take the first `count` rows away.
-    pub(super) fn split_first(&mut self, count: usize) -> Block {
-        let count = count.min(self.len());
-        let width = self.q.len() / self.len().max(1);
-        let cells = self.cells.as_mut().map(|cells| {
-            let values = count * cells.count;
-            Cells {
-                count: cells.count,
-                force: cells.force.drain(..values).collect(),
-                std: first(&mut cells.std, values),
-            }
-        });
-        Block {
-            line: self.line.drain(..count).collect(),
-            pose: self.pose.drain(..count).collect(),
-            t: first(&mut self.t, count),
-            support: first(&mut self.support, count),
-            q: self.q.drain(..count * width).collect(),
-            reading: first(&mut self.reading, count),
-            std: first(&mut self.std, count),
-            cells,
-            gravity: first(&mut self.gravity, count),
-            load: first(&mut self.load, count),
-            other: first(&mut self.other, count),
-        }
-    }
-
     /// Some of the rows.
     pub(super) fn part(&self, rows: Range<usize>) -> Block {
         let width = self.q.len() / self.len().max(1);
@@ -164,10 +137,6 @@ fn join<T>(own: &mut Option<Vec<T>>, other: Option<Vec<T>>) {
     if let (Some(own), Some(other)) = (own, other) {
         own.extend(other);
     }
-}
-
-fn first<T>(all: &mut Option<Vec<T>>, count: usize) -> Option<Vec<T>> {
-    Some(all.as_mut()?.drain(..count).collect())
 }
 
 /// The same of a column that not every log has.

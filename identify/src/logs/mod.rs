@@ -44,8 +44,6 @@ pub use block::{Block, Cells};
 #[doc(hidden)]
 pub use block::{Frame, Soles};
 pub(crate) use bounds::LEAST_LOAD_N;
-#[doc(hidden)]
-pub use columns::columns_text;
 pub use columns::{COLUMNS, Column, Need, Row, Written};
 pub(crate) use csv::delimiter;
 pub use input::LogSource;
@@ -56,8 +54,8 @@ pub use reader::{PostureReader, Summary, column_names};
 pub(crate) use samples::{ROOM, Rows, Samples};
 #[doc(hidden)]
 pub use settings::KEYS as SIDECAR_KEYS;
-pub use settings::{Angles, Options, Readings, Sidecar, Stays, StillnessLimits};
+pub use settings::{Angles, Options, Readings, Sidecar, Stays};
 #[doc(hidden)]
 pub use source::panic_becomes_error;
 pub use table::{Table, Values};
-pub use writer::{PREDICTED, PostureWriter, PredictionWriter};
+pub use writer::{PREDICTED, PostureWriter};

@@ -13,7 +13,10 @@ use super::settings::Sidecar;
 use crate::Error;
 use crate::files::{self, NewFile};
 
-/// A log being written.
+/// Names of the columns of predictions: m, support frame.
+pub const PREDICTED: [&str; 6] = ["pose", "com_x", "com_y", "com_z", "cop_x", "cop_y"];
+
+/// A log being written, or a table of predictions.
 pub struct PostureWriter {
     path: PathBuf,
     columns: Written,
@@ -46,6 +49,20 @@ impl PostureWriter {
         Ok(PostureWriter::into_sink(path, columns, sink))
     }
 
+    /// Start a table with the columns [`PREDICTED`], whose rows have a CoM in place of joints;
+    /// nothing is at `path` before [`finish_alone`](Self::finish_alone).
+    ///
+    /// # Errors
+    /// Ends of names that stand for something else, folders that cannot be written to.
+    pub fn predictions(path: &Path) -> Result<PostureWriter, Error> {
+        let sink = Sink::create(path, &PREDICTED.map(str::to_string))?;
+        let columns = Written {
+            cop: true,
+            ..Written::default()
+        };
+        Ok(PostureWriter::into_sink(path, columns, sink))
+    }
+
     /// Start a log of `dofs` as CSV on a stream; `name` stands for it in messages.
     ///
     /// # Errors
@@ -62,6 +79,15 @@ impl PostureWriter {
         let mut sink = Sink::Stream(Box::new(to));
         sink.begin(path, &header(dofs, columns))?;
         Ok(PostureWriter::into_sink(path, columns, sink))
+    }
+
+    /// Complete a table that has no sidecar.
+    ///
+    /// # Errors
+    /// When it cannot be written to its end.
+    pub fn finish_alone(self) -> Result<(), Error> {
+        let file = self.sink.finish(&self.path)?;
+        Ok(file.map_or(Ok(()), NewFile::finish)?)
     }
 
     fn into_sink(path: &Path, columns: Written, sink: Sink) -> PostureWriter {
@@ -204,55 +230,6 @@ fn quoted(name: &str) -> String {
     }
 }
 
-/// Names of the columns of predictions: m, support frame.
-pub const PREDICTED: [&str; 6] = ["pose", "com_x", "com_y", "com_z", "cop_x", "cop_y"];
-
-/// A table of predictions being written: the CoM and CoP of postures, in the formats of logs.
-///
-/// The end of the file's name tells the format: `.csv`, `.csv.gz` or `.parquet`. The table
-/// appears whole or not at all.
-pub struct PredictionWriter(PostureWriter);
-
-impl PredictionWriter {
-    /// Start a table; nothing is at `path` before [`finish`](Self::finish).
-    ///
-    /// # Errors
-    /// Ends of names that stand for something else, folders that cannot be written to.
-    pub fn create(path: &Path) -> Result<PredictionWriter, Error> {
-        let sink = Sink::create(path, &PREDICTED.map(str::to_string))?;
-        let columns = Written {
-            cop: true,
-            ..Written::default()
-        };
-        let writer = PostureWriter::into_sink(path, columns, sink);
-        Ok(PredictionWriter(writer))
-    }
-
-    /// Append a posture: its CoM and CoP, m.
-    ///
-    /// # Errors
-    /// When it cannot be written.
-    pub fn row(&mut self, pose: i64, com_m: &[f64; 3], cop_m: [f64; 2]) -> Result<(), Error> {
-        self.0.row(&Row {
-            pose,
-            q: com_m,
-            cop: cop_m,
-            ..Row::default()
-        })
-    }
-
-    /// Complete the table and move it to its place.
-    ///
-    /// # Errors
-    /// When it cannot be written to its end.
-    pub fn finish(self) -> Result<(), Error> {
-        if let Some(file) = self.0.sink.finish(&self.0.path)? {
-            file.finish()?;
-        }
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -266,17 +243,23 @@ mod tests {
         names.extend(cfg!(feature = "parquet").then_some("a.parquet"));
         for name in names {
             let path = folder.path().join(name);
-            let mut writer = PredictionWriter::create(&path).unwrap();
-            writer.row(7, &[0.1, -0.2, 0.3], [1e-17, 0.5]).unwrap();
+            let mut writer = PostureWriter::predictions(&path).unwrap();
+            let row = Row {
+                pose: 7,
+                q: &[0.1, -0.2, 0.3],
+                cop: [1e-17, 0.5],
+                ..Row::default()
+            };
+            writer.row(&row).unwrap();
             assert!(!path.exists());
-            writer.finish().unwrap();
+            writer.finish_alone().unwrap();
             assert_eq!(column_names(&LogSource::from(&path)).unwrap(), PREDICTED);
         }
         let text = std::fs::read_to_string(folder.path().join("a.csv")).unwrap();
         let expected =
             "pose,com_x,com_y,com_z,cop_x,cop_y\n7,0.1,-0.2,0.3,0.00000000000000001,0.5\n";
         assert_eq!(text, expected);
-        let wrong = PredictionWriter::create(&folder.path().join("a.txt"));
+        let wrong = PostureWriter::predictions(&folder.path().join("a.txt"));
         let said = wrong.err().unwrap().to_string();
         assert!(said.contains(".csv, .csv.gz or .parquet"), "{said}");
     }

@@ -107,13 +107,13 @@ pub(super) struct McapSource {
 
 impl McapSource {
     /// Look which joints and readings the recording has, then start over. `topics`: of the CoP
-    /// and of the joints, where the caller says.
+    /// and of the joints, where the sidecar says.
     pub fn open(
         place: &Place,
         file: &str,
         dofs: &[Dof],
         options: &Options,
-        topics: (Option<&str>, Option<&str>),
+        topics: [Option<&str>; 2],
     ) -> Result<McapSource, Error> {
         let bad = |message| Error::log(file.to_string(), None, message);
         let start = || Records::new(Metered::open(place, file)?).map_err(bad);
@@ -132,7 +132,7 @@ impl McapSource {
             let joints = McapSource::new(file, start()?, joints, dofs, options);
             moves = !joints.holds_still().map_err(bad)?;
             if moves {
-                let StillnessLimits { speed, duration } = options.stillness;
+                let StillnessLimits { speed, duration } = limits_of(options.stays);
                 let warning = format!(
                     "{file}: the robot holds still nowhere ({duration} s with every joint below \
                      {speed} rad/s): every reading is a row of a robot that moves"
@@ -172,8 +172,8 @@ impl McapSource {
             survey,
             contacts: Contacts::new(),
             frames: Frames::new(options),
-            stillness: options.stillness,
-            cutter: StillnessCutter::new(options.stillness),
+            stillness: limits_of(options.stays),
+            cutter: StillnessCutter::new(limits_of(options.stays)),
             moving: None,
             ready: VecDeque::new(),
             states: 0,
@@ -216,7 +216,8 @@ impl McapSource {
         };
         let topic = &message.channel.topic;
         if message.channel.schema == STATE {
-            if self.survey.joint_topics.takes(topic) {
+            let topics = &self.survey.joint_topics;
+            if topics.is_empty() || topics.contains_key(topic) {
                 let (t, _, state) = message.decoded(JointState::decode)?;
                 self.states += 1;
                 self.without_positions += u64::from(state.misses_positions);
@@ -365,38 +366,22 @@ impl McapSource {
                 None => self.stillness.nothing(),
             });
         }
-        let apart = self.moving.as_ref().map_or(0, Moving::left_out);
-        for (count, of, what) in [
-            (
-                apart,
-                self.readings,
-                format!(
-                    "readings lie between no joint states that are at most {LONGEST_S} s apart, \
-                     and are left out"
-                ),
-            ),
-            (
-                self.without_positions,
-                self.states,
-                "joint states name a joint without its position; the joint is where the next one \
-                 says"
-                    .to_string(),
-            ),
-            (
-                self.no_numbers,
-                self.readings,
-                "readings are no numbers and are left out".to_string(),
-            ),
-            (
-                self.airborne,
-                self.readings,
-                format!("readings had less than {LEAST_LOAD_N} N on the sole and are left out"),
-            ),
-        ] {
-            if count > 0 {
-                said.push(format!("{count} of {of} {what}"));
-            }
-        }
+        let mut count = |count: u64, of: u64, what: &str| {
+            said.extend((count > 0).then(|| format!("{count} of {of} {what}")));
+        };
+        let apart = format!(
+            "readings lie between no joint states that are at most {LONGEST_S} s apart, and are \
+             left out"
+        );
+        let left_out = self.moving.as_ref().map_or(0, Moving::left_out);
+        count(left_out, self.readings, &apart);
+        let missing = "joint states name a joint without its position; the joint is where the next \
+                       one says";
+        count(self.without_positions, self.states, missing);
+        let none = "readings are no numbers and are left out";
+        count(self.no_numbers, self.readings, none);
+        let light = format!("readings had less than {LEAST_LOAD_N} N on the sole and are left out");
+        count(self.airborne, self.readings, &light);
         said.extend(self.contacts.conclude(self.readings));
         let named = said.iter().map(|said| format!("{}: {said}", self.file));
         self.warnings.extend(named.map(Message::from));
@@ -459,6 +444,14 @@ impl RowSource for McapSource {
     fn hash(&self) -> u64 {
         self.records.input.hash()
     }
+}
+
+/// Which stretches are postures.
+fn limits_of(stays: Stays) -> StillnessLimits {
+    StillnessLimits::lasting(match stays {
+        Stays::Alone(duration) => duration,
+        _ => 0.3,
+    })
 }
 
 /// CoP of a wrench in the support frame; nothing if nothing stands on it.

@@ -16,12 +16,16 @@ use crate::logs::settings::{Options, Readings};
 /// The topic of a robot's joints by convention, which goes before others.
 const JOINTS_TOPIC: &str = "/joint_states";
 
+/// Topics that have positions of the robot's joints, and which joints.
+type JointTopics = BTreeMap<String, BTreeSet<String>>;
+
 /// What a recording has of what is wanted.
 #[derive(Clone)]
 pub(super) struct Survey {
     /// The robot's joints that were seen; all joints if one is missing.
     pub joints: Vec<String>,
-    /// Topics of their positions.
+    /// Topics of their positions; none of a recording without the robot's joints, of which it is
+    /// told what is missing.
     pub joint_topics: JointTopics,
     /// Topic of the CoP, if it is wanted.
     pub topic: Option<String>,
@@ -38,7 +42,7 @@ impl Survey {
     pub fn of<R: Read>(
         mut records: Records<R>,
         dofs: &[Dof],
-        (topic, joints_topic): (Option<&str>, Option<&str>),
+        [topic, joints_topic]: [Option<&str>; 2],
         options: &Options,
     ) -> Result<Survey, String> {
         let wanted = options.readings != Readings::Ignored;
@@ -71,7 +75,7 @@ impl Survey {
                     wrenches.see(on, &frame, force);
                 }
             } else if beyond < 500 && joints_topic.is_none_or(|topic| topic == on) {
-                let of = joint_topics.0.entry(on.clone()).or_default();
+                let of = joint_topics.entry(on.clone()).or_default();
                 let (_, _, state) = message.decoded(JointState::decode)?;
                 for name in state.joints.iter().map(|(name, ..)| name.trim()) {
                     missing.remove(name);
@@ -95,7 +99,7 @@ impl Survey {
             let on = joints_topic.map_or(String::new(), |topic| format!(" on topic `{topic}`"));
             return Err(format!("no {STATE}{on}; the topics are {}", all()));
         }
-        joint_topics.choose()?;
+        let joint_topics = chosen(joint_topics)?;
         if let (true, Some(topic), None) = (wanted, topic, &found) {
             let topics = records.channels().map(|channel| channel.topic.as_str());
             let meant = suggestion(topic, topics.filter(|other| *other != topic));
@@ -124,40 +128,26 @@ impl Survey {
     }
 }
 
-/// The topics of a recording that have positions of the robot's joints, and which joints.
-#[derive(Debug, Clone, Default)]
-pub(super) struct JointTopics(BTreeMap<String, BTreeSet<String>>);
-
-impl JointTopics {
-    /// Leave those of which the positions are taken: [`JOINTS_TOPIC`] before others that have
-    /// the same joints; topics of different joints together.
-    fn choose(&mut self) -> Result<(), String> {
-        self.0.retain(|_, joints| !joints.is_empty());
-        if let Some(first) = self.0.get(JOINTS_TOPIC).cloned() {
-            let apart = |joints: &BTreeSet<String>| first.is_disjoint(joints);
-            self.0
-                .retain(|topic, joints| topic == JOINTS_TOPIC || apart(joints));
-        }
-        let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
-        for (topic, joints) in &self.0 {
-            for joint in joints {
-                if let Some(other) = owners.insert(joint, topic) {
-                    return Err(format!(
-                        "positions of joint `{}` are on `{}` and on `{}`; choose one by \
-                         `joints_topic = \"…\"` in the sidecar",
-                        short(joint),
-                        short(other),
-                        short(topic)
-                    ));
-                }
+/// The topics of which the positions are taken, and their joints: [`JOINTS_TOPIC`] before others
+/// that have the same joints; topics of different joints together.
+fn chosen(mut topics: JointTopics) -> Result<JointTopics, String> {
+    topics.retain(|_, joints| !joints.is_empty());
+    if let Some(first) = topics.get(JOINTS_TOPIC).cloned() {
+        topics.retain(|topic, joints| topic == JOINTS_TOPIC || first.is_disjoint(joints));
+    }
+    let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
+    for (topic, joints) in &topics {
+        for joint in joints {
+            if let Some(other) = owners.insert(joint, topic) {
+                return Err(format!(
+                    "positions of joint `{}` are on `{}` and on `{}`; choose one by \
+                     `joints_topic = \"…\"` in the sidecar",
+                    short(joint),
+                    short(other),
+                    short(topic)
+                ));
             }
         }
-        Ok(())
     }
-
-    /// Whether positions on a topic are taken.
-    pub fn takes(&self, topic: &str) -> bool {
-        // Of a recording without the robot's joints it is told what is missing.
-        self.0.is_empty() || self.0.contains_key(topic)
-    }
+    Ok(topics)
 }
