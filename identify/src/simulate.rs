@@ -36,6 +36,7 @@ use sesc_model::{EffectRecord, Model, ModelFile, Quantity};
 use crate::evaluate::{MotionPredictor, ReadingPredictor};
 use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table, Written};
 use crate::observations::motion_use::MotionModel;
+use crate::observations::postures::BLOCK;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
 
@@ -43,8 +44,6 @@ use crate::{Error, Setting, message};
 const BEYOND: &str = "a drawn posture has no finite CoP: an angle is beyond 2^20 rad, where \
                       sines mean nothing, or an effect of the model file has a value that no \
                       robot has; give narrower joint limits or other values";
-/// Postures evaluated together.
-const BLOCK: usize = 4096;
 
 /// What is to be simulated.
 #[derive(Clone)]

@@ -16,24 +16,28 @@ mod collision;
 mod collision {
     use crate::poses::Pose;
 
-    pub struct Collisions {
+    pub(super) struct Collisions {
         pub exempt: Vec<[String; 2]>,
     }
 
     impl Collisions {
-        pub fn new(_: &sesc_model::Model, _: &super::shapes::Geometry, _: &[f64]) -> Collisions {
+        pub(super) fn new(
+            _: &sesc_model::Model,
+            _: &super::shapes::Geometry,
+            _: &[f64],
+        ) -> Collisions {
             Collisions { exempt: Vec::new() }
         }
 
-        pub fn first(&self, _: &[Pose]) -> Option<(usize, usize)> {
+        pub(super) fn first(&self, _: &[Pose]) -> Option<(usize, usize)> {
             None
         }
 
-        pub fn is_checked(&self) -> bool {
+        pub(super) fn is_checked(&self) -> bool {
             false
         }
 
-        pub fn sentence(&self) -> String {
+        pub(super) fn sentence(&self) -> String {
             "not checked: built without the feature `collision`".to_string()
         }
     }
@@ -152,7 +156,12 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     // Two rows of each of the chosen postures.
     let columns: Vec<usize> = chosen.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
     let own_rows = regressor.select_columns(&columns).transpose();
-    let (rank, condition_number) = conditioning(&own_rows);
+    // As a fit of these postures will state them.
+    let mut factor = Factor::new(params);
+    let readings = 2 * chosen.len();
+    factor.push(&own_rows, &DVector::zeros(readings), &vec![1.0; readings]);
+    let solved = solve(&factor, 1.0, &DVector::zeros(params), None);
+    let (rank, condition_number) = (solved.rank, solved.condition_number);
     let told = prior.is_some() || rank >= rows.directions();
     let lessons = report::lessons(model, &regressor, &scene.uncertainty, noise, &chosen);
     let curve = told.then(|| design::curve(&rows, &choice, noise, request.seed, prior.is_some()));
@@ -250,15 +259,6 @@ fn scene<'a>(
 fn some(q: &[f64], dof: usize, chosen: &[usize]) -> Vec<f64> {
     let own = chosen.iter().flat_map(|&k| &q[k * dof..(k + 1) * dof]);
     own.copied().collect()
-}
-
-/// Rank and condition number of `rows`, as a fit will state them.
-fn conditioning(rows: &DMatrix<f64>) -> (usize, f64) {
-    let (n, params) = rows.shape();
-    let mut factor = Factor::new(params);
-    factor.push(rows, &DVector::zeros(n), &vec![1.0; n]);
-    let found = solve(&factor, 1.0, &DVector::zeros(params), None);
-    (found.rank, found.condition_number)
 }
 
 /// |CoP| in the seed paper's postures of the OP2, m.

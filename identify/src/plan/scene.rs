@@ -51,11 +51,11 @@ pub struct Scene<'a> {
     /// S of the parameters' covariance S Sᵀ.
     pub uncertainty: DMatrix<f64>,
     /// What must stay clear of the ground.
-    pub clearance: Clearance,
+    pub(super) clearance: Clearance,
     /// The other sole, where it has to lie on the floor, too.
-    pub both_feet: Option<BothFeet<'a>>,
+    pub(super) both_feet: Option<BothFeet<'a>>,
     /// What must not collide.
-    pub collisions: Collisions,
+    pub(super) collisions: Collisions,
 }
 
 impl<'a> Scene<'a> {
@@ -86,7 +86,7 @@ impl<'a> Scene<'a> {
 }
 
 /// What must stay above the ground.
-pub struct Clearance {
+pub(super) struct Clearance {
     /// Least height, m.
     pub height: f64,
     parts: Vec<Part>,
@@ -108,7 +108,7 @@ impl Clearance {
     /// Look at the shapes of all links but those of the support body.
     ///
     /// Body `standing` stands on the floor, too.
-    pub fn new(
+    pub(super) fn new(
         model: &Model,
         geometry: &Geometry,
         height: f64,
@@ -144,7 +144,7 @@ impl Clearance {
     }
 
     /// The lowest height, m, and the link that is there; `None` when nothing moves.
-    pub fn lowest(&self, bodies: &[Pose]) -> Option<(f64, usize)> {
+    pub(super) fn lowest(&self, bodies: &[Pose]) -> Option<(f64, usize)> {
         let height = |part: &Part| {
             let body = &bodies[part.body];
             let down = -part.pose.rotation.transpose() * body.rotation.row(2).transpose();
@@ -155,7 +155,7 @@ impl Clearance {
     }
 
     /// In a few words.
-    pub fn sentence(&self) -> String {
+    pub(super) fn sentence(&self) -> String {
         let mm = 1e3 * self.height;
         match (self.by_shapes, self.by_points) {
             (0, 0) => "nothing moves".to_string(),
@@ -205,7 +205,7 @@ const APART: (f64, f64) = (0.75, 2.0);
 const BESIDE: f64 = 0.7;
 
 /// The other sole of a robot on its support.
-pub struct BothFeet<'m> {
+pub(super) struct BothFeet<'m> {
     model: &'m Model,
     /// The sole.
     pub other: OtherFoot,
@@ -218,7 +218,7 @@ pub struct BothFeet<'m> {
 
 impl<'m> BothFeet<'m> {
     /// At rest in posture `rest`; none of a link that hangs on a joint nobody knows.
-    pub fn new(model: &'m Model, other: OtherFoot, rest: &[f64]) -> Option<BothFeet<'m>> {
+    pub(super) fn new(model: &'m Model, other: OtherFoot, rest: &[f64]) -> Option<BothFeet<'m>> {
         let (body, link) = poses::of_link(model, other.link)?;
         let place = link.then(&Pose {
             rotation: Matrix3::identity(),
@@ -243,7 +243,7 @@ impl<'m> BothFeet<'m> {
     }
 
     /// Where its origin is on the floor, m.
-    pub fn at(&self, q: &[f64]) -> Vector2<f64> {
+    pub(super) fn at(&self, q: &[f64]) -> Vector2<f64> {
         self.sole(q).origin.xy()
     }
 
@@ -262,7 +262,7 @@ impl<'m> BothFeet<'m> {
 
     /// One step towards both soles on the floor and a CoP that is off by `miss` (m), whose
     /// slopes are `jacobian` (x row, y row); how far the soles are off it, m and rad.
-    pub fn step(
+    pub(super) fn step(
         &self,
         q: &mut [f64],
         miss: Vector2<f64>,
@@ -277,7 +277,7 @@ impl<'m> BothFeet<'m> {
     }
 
     /// Put the other sole on the floor, wherever the CoP goes: whether it is there.
-    pub fn put_down(&self, q: &mut [f64], ranges: &[(f64, f64)]) -> bool {
+    pub(super) fn put_down(&self, q: &mut [f64], ranges: &[(f64, f64)]) -> bool {
         for _ in 0..20 {
             let (lies, slopes) = self.lies(q);
             if Vector3::from(lies).amax() <= ON_FLOOR {
@@ -291,7 +291,7 @@ impl<'m> BothFeet<'m> {
 
     /// Where the CoP may be: the hull of both soles' regions; none where the feet are too close,
     /// too far from each other, or crossed.
-    pub fn region(&self, own: &Region, q: &[f64]) -> Option<Region> {
+    pub(super) fn region(&self, own: &Region, q: &[f64]) -> Option<Region> {
         let sole = self.sole(q);
         let at = sole.origin.xy();
         let (far, still) = (at.norm(), self.rest.norm());

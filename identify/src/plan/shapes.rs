@@ -15,8 +15,7 @@ use crate::poses::Pose;
 
 /// A solid about its own centre, m; cylinders and capsules along z.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum Solid {
+pub(crate) enum Solid {
     /// Half the edges.
     Box(Vector3<f64>),
     /// A cylinder along z about its centre.
@@ -42,7 +41,7 @@ pub enum Solid {
 
 /// A solid somewhere on a link.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
+pub(crate) struct Shape {
     /// The link it belongs to.
     pub link: String,
     /// In the link frame.
@@ -55,14 +54,14 @@ pub struct Shape {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Geometry {
     /// Collision shapes of all links.
-    pub shapes: Vec<Shape>,
+    pub(crate) shapes: Vec<Shape>,
     /// What could not be read.
     pub notes: Vec<String>,
 }
 
 impl Solid {
     /// How far it reaches from its centre along the unit vector `along`, given in its frame.
-    pub fn reach(&self, along: &Vector3<f64>) -> f64 {
+    pub(crate) fn reach(&self, along: &Vector3<f64>) -> f64 {
         let across = along.x.hypot(along.y);
         match *self {
             Solid::Box(half) => half.dot(&along.abs()),
@@ -82,39 +81,35 @@ impl Geometry {
             geometry.notes.push(note);
             Vec::new()
         });
-        // What is wrong, and with which links.
-        let mut ignored: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        let mut boxed: Vec<String> = Vec::new();
-        for (name, collisions) in description.link_names().zip(found) {
+        // What is to be said, and of which links.
+        let mut said: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+        for (link, collisions) in description.link_names().zip(found) {
             for collision in collisions {
-                match collision.and_then(|collision| solid(&collision, folder)) {
-                    Ok((pose, solid, is_mesh)) => {
-                        let link = name.to_string();
-                        if is_mesh {
-                            boxed.push(link.clone());
-                        }
+                let is_mesh = |shape: &urdf::Shape| matches!(shape, urdf::Shape::Mesh { .. });
+                let boxed = collision.as_ref().is_ok_and(|own| is_mesh(&own.shape));
+                let note = match collision.and_then(|own| solid(&own, folder)) {
+                    Ok((pose, solid)) => {
+                        let link = link.to_string();
                         geometry.shapes.push(Shape { link, pose, solid });
+                        boxed.then(|| "meshes taken as the boxes around them".to_string())
                     }
-                    Err(reason) => ignored.entry(reason).or_default().push(name.to_string()),
+                    Err(why) => Some(format!("collision shape ignored ({why})")),
+                };
+                if let Some(note) = note {
+                    said.entry(note).or_default().push(link);
                 }
             }
         }
-        let boxed = ("meshes taken as the boxes around them".to_string(), boxed);
-        let ignored = ignored.into_iter();
-        let ignored =
-            ignored.map(|(why, links)| (format!("collision shape ignored ({why})"), links));
-        for (what, mut links) in [boxed].into_iter().chain(ignored) {
+        for (what, mut links) in said {
             links.dedup();
-            if !links.is_empty() {
-                let note = format!("{what}: {}", listed(&links, 12));
-                geometry.notes.push(note);
-            }
+            let note = format!("{what}: {}", listed(&links, 12));
+            geometry.notes.push(note);
         }
         geometry
     }
 
     /// Solids of a link, in the frame of the body in which the link has its `place`.
-    pub fn on<'g>(
+    pub(crate) fn on<'g>(
         &'g self,
         link: &'g str,
         place: Pose,
@@ -133,10 +128,10 @@ pub(crate) fn at(origin: &Origin) -> Pose {
     }
 }
 
-/// Pose and solid of a collision, and whether it is a mesh.
-fn solid(collision: &Collision, folder: Option<&Path>) -> Result<(Pose, Solid, bool), String> {
+/// Pose and solid of a collision.
+fn solid(collision: &Collision, folder: Option<&Path>) -> Result<(Pose, Solid), String> {
     let pose = at(&collision.origin);
-    let plain = match &collision.shape {
+    let solid = match &collision.shape {
         urdf::Shape::Box { size } => Solid::Box(Vector3::from(*size) / 2.0),
         &urdf::Shape::Sphere { radius } => Solid::Sphere { radius },
         &urdf::Shape::Cylinder { radius, length } => Solid::Cylinder {
@@ -155,21 +150,18 @@ fn solid(collision: &Collision, folder: Option<&Path>) -> Result<(Pose, Solid, b
                 origin: (a + b) / 2.0,
                 ..Pose::IDENTITY
             };
-            return Ok((pose.then(&centre), Solid::Box((b - a).abs() / 2.0), true));
+            return Ok((pose.then(&centre), Solid::Box((b - a).abs() / 2.0)));
         }
         _ => return Err("a shape that is not known".to_string()),
     };
-    Ok((pose, plain, false))
+    Ok((pose, solid))
 }
 
 /// Lowest and highest corner of the mesh, m, before scaling.
 ///
 /// # Errors
 /// Why the mesh is left out, in a few words.
-pub fn mesh_bounds(
-    name: &str,
-    folder: Option<&Path>,
-) -> Result<(Vector3<f64>, Vector3<f64>), String> {
+fn mesh_bounds(name: &str, folder: Option<&Path>) -> Result<(Vector3<f64>, Vector3<f64>), String> {
     let stl = name.to_ascii_lowercase().ends_with(".stl");
     if !stl {
         return Err("a mesh that is no STL file".to_string());
