@@ -22,8 +22,8 @@ use sesc_model::Function;
 
 use super::Request;
 use super::limits::move_by;
-use super::region::Region;
 use super::scene::Scene;
+use super::shapes::Region;
 use crate::evaluate::Evaluator;
 use crate::poses;
 use crate::{Error, Message, Setting, message};

@@ -44,7 +44,6 @@ mod collision {
 }
 pub(crate) mod design;
 mod limits;
-pub(crate) mod region;
 mod report;
 pub(crate) mod scene;
 pub(crate) mod shapes;
@@ -60,12 +59,12 @@ pub use candidates::Counts;
 pub use candidates::sample;
 pub use design::Efficiency;
 pub use limits::Limits;
-pub use region::Region;
 pub use report::{JointUse, Lesson, Motion, Plan, Revisits, TwoFeet};
 #[doc(hidden)]
 pub use scene::Scene;
 #[doc(hidden)]
 pub use shapes::Geometry;
+pub use shapes::Region;
 
 use crate::evaluate::Evaluator;
 use crate::feet::{Closure, Feet, of_many};

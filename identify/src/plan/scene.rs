@@ -32,8 +32,7 @@ use sesc_model::tape::{Tape, Values};
 
 use super::collision::Collisions;
 use super::limits::{Limits, move_by};
-use super::region::Region;
-use super::shapes::{Geometry, Solid};
+use super::shapes::{Geometry, Region, Solid};
 use crate::evaluate::FASTEST;
 use crate::feet::{OtherFoot, ROWS};
 use crate::poses::{self, Pose};
