@@ -76,7 +76,6 @@ use crate::robot::Robot;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
 use design::WhitenedRows;
-use report::Known;
 
 /// Plan postures.
 ///
@@ -106,7 +105,7 @@ use report::Known;
 pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     request.check()?;
     let model = &*request.model;
-    let known = Known::of(request, watch)?;
+    let (noise, visits) = report::known(request, watch)?;
     let dof = model.dof();
     if dof == 0 {
         return Err(Error::request(
@@ -134,7 +133,6 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let params = model.base.params.len();
     let regressor = Evaluator::new(model, Function::RegressorCop).run(&q, count);
     let regressor = DMatrix::from_vec(params, 2 * count, regressor);
-    let noise = known.reading_std(request.noise);
     let rows = match &prior {
         Some(s) => WhitenedRows::with_prior(&regressor, s, noise),
         None => WhitenedRows::free(&regressor, UNSEEN),
@@ -218,7 +216,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
                 offsets: closure.precision(),
             }
         }),
-        revisits: report::revisits(request, &known, &own_rows),
+        revisits: report::revisits(request, visits, &own_rows),
         joints: report::joint_use(model, &request.limits, &q, &chosen),
         cop: chosen.iter().map(cop_of).collect(),
         log_det: choice.log_det,
