@@ -11,12 +11,8 @@ use super::experiment::{Postures, Trial};
 use super::findings::{ExperimentProposal, Explained, Verdict};
 use super::hypothesis::Term;
 use super::problem::{Block, Fit, Problem};
-use crate::plan::Limits;
-use crate::plan::Region;
-use crate::plan::candidates::sample;
 use crate::plan::design::short_order;
-use crate::plan::scene::Scene;
-use crate::plan::shapes::Geometry;
+use crate::plan::{Geometry, Limits, Region, Scene, sample};
 use crate::robot::Robot;
 
 /// Experiments, the best first, and the postures of the best.

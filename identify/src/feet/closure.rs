@@ -202,9 +202,9 @@ impl Closure {
         (whole, all)
     }
 
-    /// Whether the soles close as joint positions are by their `source`, CAD or the model file:
-    /// what is said of it, with the joints whose offsets explain where they do not.
-    pub fn found_by(&self, source: &str) -> ClosureFound {
+    /// Whether the soles close as joint positions are by CAD: what is said of it, with the joints
+    /// whose offsets explain where they do not.
+    pub fn found(&self) -> ClosureFound {
         let residual = self.whitened(self.values.iter().copied());
         let rest = self.without_common_of(&residual);
         let (whole, mut offsets) = self.offsets(&rest);
@@ -223,7 +223,7 @@ impl Closure {
             offsets.truncate(4);
             found.explained_by = offsets.into_iter().map(|(.., offset)| offset).collect();
         }
-        found.sentence = found.of_joints(left, source);
+        found.sentence = found.of_joints(left);
         found
     }
 }
@@ -425,9 +425,9 @@ impl ClosureFound {
     }
 
     /// `The soles of r_sole and l_sole are 1.52° of roll … apart by CAD`
-    fn apart(&self, by: &str) -> String {
+    fn apart(&self) -> String {
         format!(
-            "By {by} the sole of {} is {} RMS off that of {}",
+            "By CAD the sole of {} is {} RMS off that of {}",
             self.other_foot,
             self.before.sentence(),
             self.support
@@ -435,19 +435,19 @@ impl ClosureFound {
     }
 
     /// What a fit says, which can do nothing about it; `left`: the best offset leaves more
-    /// than noise, `by`: who has the joints there.
-    pub(super) fn of_joints(&self, left: bool, by: &str) -> String {
+    /// than noise.
+    pub(super) fn of_joints(&self, left: bool) -> String {
         if self.closes {
             return format!(
                 "{}, as noise and the flatness of soles allow.",
-                self.apart(by)
+                self.apart()
             );
         }
         let Some(first) = self.explained_by.first() else {
             return format!(
                 "{}, and no offset of one joint explains it: check that both soles are flat on \
                  one floor and that their frames lie in them, z up.",
-                self.apart(by)
+                self.apart()
             );
         };
         let others = self.explained_by.iter().skip(1).map(Offset::sentence);
@@ -459,7 +459,7 @@ impl ClosureFound {
         let most = if left { "most of it" } else { "it" };
         format!(
             "{}: an offset of {}{or} explains {most}, which bends the legs and moves the CoM.",
-            self.apart(by),
+            self.apart(),
             first.sentence()
         )
     }
@@ -467,7 +467,7 @@ impl ClosureFound {
     /// What a diagnosis says, whose explanation leaves `after`; `changed` where there is one.
     #[doc(hidden)]
     pub fn explained(mut self, changed: bool) -> ClosureFound {
-        let apart = self.apart("CAD");
+        let apart = self.apart();
         let flat = "check that both soles are flat on one floor, and that their frames lie in \
                     them, z up";
         self.sentence = match (self.closes, changed) {

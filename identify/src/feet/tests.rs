@@ -176,9 +176,9 @@ fn an_offset_is_told_by_the_soles_alone() {
         q
     };
     let log = |off: f64| -> Vec<f64> { (0..40).flat_map(|k| posture(k, off)).collect() };
-    let found = Closure::of(&model, other(), &log(0.0), None).found_by("CAD");
+    let found = Closure::of(&model, other(), &log(0.0), None).found();
     assert!(found.closes && found.explained_by.is_empty(), "{found:?}");
-    let found = Closure::of(&model, other(), &log(0.03), None).found_by("CAD");
+    let found = Closure::of(&model, other(), &log(0.03), None).found();
     assert!(!found.closes, "{found:?}");
     assert!((found.before.pitch_rad - 0.03).abs() < 1e-4, "{found:?}");
     assert!(found.before.roll_rad < 1e-12, "{found:?}");

@@ -43,7 +43,7 @@ pub(super) fn worst(
         if let Some(warning) = of_one_foot(&model, &other, &data) {
             watch.warning(&format!("{}: {warning}", log.name()).into());
         }
-        let found = Closure::of(&model, other, &data.q, data.t.as_deref()).found_by("CAD");
+        let found = Closure::of(&model, other, &data.q, data.t.as_deref()).found();
         worst = Some(match worst {
             Some(worst) => worst.worse(found),
             None => found,

@@ -45,7 +45,6 @@ mod collision {
 pub(crate) mod design;
 mod limits;
 mod report;
-pub(crate) mod scene;
 pub(crate) mod shapes;
 
 use std::path::PathBuf;
@@ -56,12 +55,10 @@ use sesc_model::{Function, Model};
 
 pub use candidates::Counts;
 #[doc(hidden)]
-pub use candidates::sample;
+pub use candidates::{Scene, sample};
 pub use design::Efficiency;
 pub use limits::Limits;
 pub use report::{JointUse, Lesson, Motion, Plan, Revisits, TwoFeet};
-#[doc(hidden)]
-pub use scene::Scene;
 #[doc(hidden)]
 pub use shapes::Geometry;
 pub use shapes::Region;
