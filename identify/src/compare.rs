@@ -209,38 +209,31 @@ fn masses(before: &ModelFile, after: &ModelFile) -> (Vec<Difference>, Vec<f64>) 
     let places = before.parameters.iter().filter_map(|p| of(&p.name));
     let places: Vec<usize> = places.collect();
     let (a, b) = (covariance(before), covariance(after));
-    let known: Vec<usize> = (0..n)
-        .filter(|&k| a[(k, k)].is_finite() && b[(places[k], places[k])].is_finite())
-        .collect();
-    let gap = |k: usize| after.parameters[places[k]].value - before.parameters[k].value;
+    let total = DMatrix::from_fn(n, n, |i, k| a[(i, k)] + b[(places[i], places[k])]);
     let difference = |k: usize| {
         let (old, new) = (&before.parameters[k], &after.parameters[places[k]]);
-        let std = (a[(k, k)] + b[(places[k], places[k])]).sqrt();
-        let values = [old.value, new.value].map(Some);
-        Difference::new(&old.name, values, Some(std).filter(|std| std.is_finite()))
+        let std = Some(total[(k, k)].sqrt()).filter(|std| std.is_finite());
+        Difference::new(&old.name, [old.value, new.value].map(Some), std)
     };
     let differences = (0..n).map(difference).collect();
-    let covariance = DMatrix::from_fn(known.len(), known.len(), |i, k| {
-        let (i, k) = (known[i], known[k]);
-        a[(i, k)] + b[(places[i], places[k])]
-    });
-    let gap = DVector::from_iterator(known.len(), known.iter().map(|&k| gap(k)));
-    (differences, squares(covariance, &gap))
+    let known: Vec<usize> = (0..n).filter(|&k| total[(k, k)].is_finite()).collect();
+    let gap = |&k: &usize| after.parameters[places[k]].value - before.parameters[k].value;
+    let gap = DVector::from_iterator(known.len(), known.iter().map(gap));
+    let total = total.select_rows(&known).select_columns(&known);
+    (differences, squares(total, &gap))
 }
 
 /// Covariance of a file's base parameters; infinite where it gives no deviation.
 fn covariance(file: &ModelFile) -> DMatrix<f64> {
     let n = file.parameters.len();
-    let mut found = DMatrix::zeros(n, n);
     let factor = file.information.as_ref().map(|i| &i.factor);
     let Some(factor) = factor.filter(|factor| factor.len() == n) else {
         let variances = file.parameters.iter().map(|p| p.std);
         let variances = variances.map(|std| std.map_or(f64::INFINITY, |std| std * std));
-        found.set_diagonal(&DVector::from_iterator(n, variances));
-        return found;
+        return DMatrix::from_diagonal(&DVector::from_iterator(n, variances));
     };
     let inverse = inverse(factor);
-    found.copy_from(&(&inverse * inverse.transpose()));
+    let mut found = &inverse * inverse.transpose();
     for k in (0..n).filter(|&k| factor[k][0] <= 0.0) {
         found[(k, k)] = f64::INFINITY;
     }

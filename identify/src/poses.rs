@@ -11,7 +11,7 @@ use sesc_model::tree::{Axis, Coordinate, Link, Motion};
 
 /// Orientation and origin of a frame in the support frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
+pub(crate) struct Pose {
     /// Its axes, as columns.
     pub rotation: Matrix3<f64>,
     /// Its origin, m.
@@ -20,13 +20,13 @@ pub struct Pose {
 
 impl Pose {
     /// The support frame itself.
-    pub const IDENTITY: Pose = Pose {
+    pub(crate) const IDENTITY: Pose = Pose {
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         origin: Vector3::new(0.0, 0.0, 0.0),
     };
 
     /// `inner`, given in this frame, in the frame this one is given in.
-    pub fn then(&self, inner: &Pose) -> Pose {
+    pub(crate) fn then(&self, inner: &Pose) -> Pose {
         Pose {
             rotation: self.rotation * inner.rotation,
             origin: self.point(&inner.origin),
@@ -34,13 +34,13 @@ impl Pose {
     }
 
     /// A point, given in this frame, in the frame this one is given in.
-    pub fn point(&self, point: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn point(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.origin + self.rotation * point
     }
 }
 
 /// Poses of all `bodies` of a chain in posture `q`, rad or m.
-pub fn bodies(chain: &[Body], q: &[f64]) -> Vec<Pose> {
+pub(crate) fn bodies(chain: &[Body], q: &[f64]) -> Vec<Pose> {
     let mut poses: Vec<Pose> = Vec::with_capacity(chain.len());
     for body in chain {
         let own = moved(body, q);
@@ -85,7 +85,7 @@ fn matrix(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
 }
 
 /// A frame or point of a link, seen from its body; `None` beyond a cut.
-pub fn of_link(model: &Model, link: usize) -> Option<(usize, Pose)> {
+pub(crate) fn of_link(model: &Model, link: usize) -> Option<(usize, Pose)> {
     let place = model.chain.places[link]?;
     let pose = Pose {
         rotation: matrix(place.orientation()),
@@ -95,7 +95,7 @@ pub fn of_link(model: &Model, link: usize) -> Option<(usize, Pose)> {
 }
 
 /// Links by their index, each with its body and its frame there; those beyond a cut are left out.
-pub fn links(model: &Model) -> impl Iterator<Item = (usize, &Link, usize, Pose)> {
+pub(crate) fn links(model: &Model) -> impl Iterator<Item = (usize, &Link, usize, Pose)> {
     let links = model.tree.links.iter().enumerate();
     links.filter_map(|(k, link)| {
         let (body, place) = of_link(model, k)?;

@@ -27,16 +27,12 @@ use crate::logs::{
 use crate::observations::motion::{Motion, Wanted};
 use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
+use crate::observations::postures::{BLOCK, HEAD};
 use crate::observations::rows;
 use crate::observations::zmp::Zmp;
 use crate::robot::Stance;
 use crate::robot::check_joints;
 use crate::watch::{Watch, tell};
-
-/// Rows that are read and evaluated together.
-const BLOCK: usize = 4096;
-/// Rows that say how a log is differentiated.
-const HEAD: usize = 20_000;
 
 /// What is to be predicted.
 #[derive(Clone)]

@@ -36,6 +36,7 @@ use sesc_model::{EffectRecord, Model, ModelFile, Quantity};
 use crate::evaluate::{MotionPredictor, ReadingPredictor};
 use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table, Written};
 use crate::observations::motion_use::MotionModel;
+use crate::observations::postures::BLOCK;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
 
@@ -43,8 +44,6 @@ use crate::{Error, Setting, message};
 const BEYOND: &str = "a drawn posture has no finite CoP: an angle is beyond 2^20 rad, where \
                       sines mean nothing, or an effect of the model file has a value that no \
                       robot has; give narrower joint limits or other values";
-/// Postures evaluated together.
-const BLOCK: usize = 4096;
 
 /// What is to be simulated.
 #[derive(Clone)]
@@ -164,25 +163,28 @@ impl Request {
         Ok(())
     }
 
-    fn columns(&self) -> Written {
-        Written {
+    /// Simulate into the log that `begin` begins.
+    fn log(
+        &self,
+        watch: &mut dyn Watch,
+        begin: impl FnOnce(&[Dof], Written) -> Result<PostureWriter, Error>,
+    ) -> Result<(), Error> {
+        self.check()?;
+        let columns = Written {
             t: self.rate.is_some(),
             cop: true,
             cop_std: self.noise > 0.0,
             ..Written::default()
-        }
-    }
-
-    fn fill(&self, mut log: PostureWriter, watch: &mut dyn Watch) -> Result<(), Error> {
+        };
+        let mut log = begin(&self.model.tree.dofs, columns)?;
         self.run(watch, |row| log.row(row))?;
         log.finish(&self.sidecar()).map(drop)
     }
 
     fn sidecar(&self) -> Sidecar {
-        let tree = &self.model.tree;
         Sidecar {
-            robot: Some(tree.robot.clone()),
-            support: Some(tree.links[tree.support].name.clone()),
+            robot: Some(self.model.tree.robot.clone()),
+            support: Some(self.model.support().to_string()),
             ..Sidecar::default()
         }
     }
@@ -265,10 +267,9 @@ pub fn simulate(request: &Request, watch: &mut dyn Watch) -> Result<LogSource, E
 /// # Errors
 /// A request that makes no sense, a file that cannot be written.
 pub fn write(request: &Request, path: &Path, watch: &mut dyn Watch) -> Result<PathBuf, Error> {
-    request.check()?;
-    let dofs = &request.model.tree.dofs;
-    let log = PostureWriter::create(path, dofs, request.columns())?;
-    request.fill(log, watch)?;
+    request.log(watch, |dofs, columns| {
+        PostureWriter::create(path, dofs, columns)
+    })?;
     Ok(Sidecar::path(path))
 }
 
@@ -283,10 +284,9 @@ pub fn stream(
     to: impl std::io::Write + Send + 'static,
     watch: &mut dyn Watch,
 ) -> Result<(), Error> {
-    request.check()?;
-    let dofs = &request.model.tree.dofs;
-    let log = PostureWriter::stream(name, to, dofs, request.columns())?;
-    request.fill(log, watch)
+    request.log(watch, |dofs, columns| {
+        PostureWriter::stream(name, to, dofs, columns)
+    })
 }
 
 /// Seeded postures and noise; the same numbers on every machine.

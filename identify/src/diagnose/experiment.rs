@@ -21,10 +21,8 @@ use super::problem::{Block, Fit, OnBlock, Problem, below, side};
 use crate::Error;
 use crate::logs::{PostureWriter, Row, Sidecar, Written};
 use crate::observations::postures::range as range_of;
-use crate::plan::candidates::sample;
 use crate::plan::design::short_order;
-use crate::plan::scene::Scene;
-use crate::plan::shapes::Geometry;
+use crate::plan::{Geometry, Limits, Region, Scene, sample};
 use crate::plan::{Limits, Region};
 use crate::robot::Robot;
 

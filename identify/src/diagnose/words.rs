@@ -84,10 +84,10 @@ pub fn named(found: &NamedValue) -> String {
 /// `subject`, with its values: `backlash in every joint: width 0.93° ± 0.04°`.
 pub fn clause(context: &EffectContext, term: &Term, values: &[NamedValue]) -> String {
     let subject = term.phrase(context);
-    match values.is_empty() {
-        true => subject,
-        false => format!("{subject} ({})", sizes(values)),
+    if values.is_empty() {
+        return subject;
     }
+    format!("{subject} ({})", sizes(values))
 }
 
 /// Values after each other: `mass 155 g ± 6 g, x 22.6 mm ± 2.3 mm`.

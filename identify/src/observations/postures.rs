@@ -33,13 +33,13 @@ use gathering::{Gathering, Motions, Posture};
 use known::Noise;
 
 /// Rows taken at once.
-const BLOCK: usize = 4096;
+pub(crate) const BLOCK: usize = 4096;
 /// A reading of which a joint took up more tells nothing of the noise; nor does an axis where
 /// fewer than one in so many readings is left.
 const MOST_SPENT: f64 = 0.75;
 const FEW_PART: usize = 4;
 /// Rows that say how a log is differentiated.
-const HEAD: usize = 20_000;
+pub(crate) const HEAD: usize = 20_000;
 
 /// Postures and readings in memory.
 #[derive(Debug, Clone)]

@@ -17,7 +17,7 @@ use super::shapes::{Geometry, Solid};
 use crate::poses::{self, Pose};
 
 /// Pairs of bodies to watch.
-pub struct Collisions {
+pub(super) struct Collisions {
     /// Collision shapes of the robot.
     shapes: usize,
     /// Those of each body that has any.
@@ -32,7 +32,7 @@ pub struct Collisions {
 
 impl Collisions {
     /// All pairs of bodies but neighbours and those that touch at `rest`.
-    pub fn new(model: &Model, geometry: &Geometry, rest: &[f64]) -> Collisions {
+    pub(super) fn new(model: &Model, geometry: &Geometry, rest: &[f64]) -> Collisions {
         let mut parts: BTreeMap<usize, Vec<(Placement, SharedShape)>> = BTreeMap::new();
         for (_, link, body, place) in poses::links(model) {
             for (pose, solid) in geometry.on(&link.name, place) {
@@ -65,12 +65,12 @@ impl Collisions {
     }
 
     /// Whether any bodies are watched.
-    pub fn is_checked(&self) -> bool {
+    pub(super) fn is_checked(&self) -> bool {
         self.shapes > 0
     }
 
     /// What is watched, in words.
-    pub fn sentence(&self) -> String {
+    pub(super) fn sentence(&self) -> String {
         let (shapes, pairs) = (self.shapes, self.watched);
         if shapes == 0 {
             return "not checked: the robot has no collision shapes".to_string();
@@ -79,7 +79,7 @@ impl Collisions {
     }
 
     /// Two bodies that meet: of those whose boxes overlap from the ground up.
-    pub fn first(&self, bodies: &[Pose]) -> Option<(usize, usize)> {
+    pub(super) fn first(&self, bodies: &[Pose]) -> Option<(usize, usize)> {
         if self.watched == 0 {
             return None;
         }

@@ -44,14 +44,14 @@ use crate::svd::svd;
 const RIDGE: f64 = 1e-6;
 
 /// Candidates in whitened coordinates.
-pub struct WhitenedRows {
+pub(super) struct WhitenedRows {
     /// Column 2k + axis is that row of a_k.
     columns: DMatrix<f64>,
     ridge: f64,
 }
 
 /// Which candidates were chosen, and what that gained.
-pub struct Choice {
+pub(super) struct Choice {
     /// The chosen candidates, in the order of choice.
     pub chosen: Vec<usize>,
     /// log det of M / ε after the greedy choice, then after every round of exchanges.
@@ -66,7 +66,11 @@ pub struct Choice {
 
 impl WhitenedRows {
     /// `regressor`: φᵀ as columns, two per candidate; `prior`: S.
-    pub fn with_prior(regressor: &DMatrix<f64>, prior: &DMatrix<f64>, sigma: f64) -> WhitenedRows {
+    pub(super) fn with_prior(
+        regressor: &DMatrix<f64>,
+        prior: &DMatrix<f64>,
+        sigma: f64,
+    ) -> WhitenedRows {
         WhitenedRows {
             columns: prior.tr_mul(regressor) / sigma,
             ridge: 1.0,
@@ -74,7 +78,7 @@ impl WhitenedRows {
     }
 
     /// Without a prior, in the directions that the candidates see.
-    pub fn free(regressor: &DMatrix<f64>, unseen: f64) -> WhitenedRows {
+    pub(super) fn free(regressor: &DMatrix<f64>, unseen: f64) -> WhitenedRows {
         let count = (regressor.ncols() / 2).max(1) as f64;
         // R of the candidates' QR factors: the Gram matrix would lose half the digits.
         let r = regressor.transpose().qr().r();
@@ -96,12 +100,12 @@ impl WhitenedRows {
     }
 
     /// Candidates.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.columns.ncols() / 2
     }
 
     /// Directions there are to tell.
-    pub fn directions(&self) -> usize {
+    pub(super) fn directions(&self) -> usize {
         self.columns.nrows()
     }
 
@@ -109,7 +113,7 @@ impl WhitenedRows {
     ///
     /// # Errors
     /// Those of `progress`.
-    pub fn choose(
+    pub(super) fn choose(
         &self,
         n: usize,
         mut progress: impl FnMut() -> Result<(), Error>,
@@ -167,13 +171,13 @@ impl WhitenedRows {
     }
 
     /// Σ aᵀ a of all candidates.
-    pub fn gram(&self) -> DMatrix<f64> {
+    pub(super) fn gram(&self) -> DMatrix<f64> {
         &self.columns * self.columns.transpose()
     }
 
     /// Mean of tr(G)/2 over all candidates, whose [`gram`](Self::gram) this is, with
     /// only these chosen.
-    pub fn mean_variance(&self, chosen: &[usize], gram: &DMatrix<f64>) -> f64 {
+    pub(super) fn mean_variance(&self, chosen: &[usize], gram: &DMatrix<f64>) -> f64 {
         self.inverse(chosen).dot(gram) / self.columns.ncols().max(1) as f64
     }
 
@@ -287,7 +291,7 @@ pub struct Efficiency {
 /// The curve up to the postures chosen; `noise` is that of a reading, m.
 ///
 /// Without a prior it begins where postures can tell all directions.
-pub(crate) fn curve(
+pub(super) fn curve(
     rows: &WhitenedRows,
     choice: &Choice,
     noise: f64,
@@ -326,7 +330,7 @@ pub(crate) fn curve(
 }
 
 /// Indices of postures `q[k * dof + joint]` in a short order.
-pub fn short_order(q: &[f64], dof: usize) -> Vec<usize> {
+pub(crate) fn short_order(q: &[f64], dof: usize) -> Vec<usize> {
     let n = q.len() / dof.max(1);
     let posture = |k: usize| &q[k * dof..(k + 1) * dof];
     let from_rest = |k: usize| distance(posture(k), &vec![0.0; dof]);
@@ -374,7 +378,7 @@ fn untangle(order: &mut [usize], between: &impl Fn(usize, usize) -> f64) -> bool
 }
 
 /// Length of the way through postures in this order.
-pub fn way(q: &[f64], dof: usize, order: &[usize]) -> f64 {
+pub(super) fn way(q: &[f64], dof: usize, order: &[usize]) -> f64 {
     let posture = |k: usize| &q[k * dof..(k + 1) * dof];
     let steps = order.windows(2);
     let way = |pair: &[usize]| distance(posture(pair[0]), posture(pair[1]));

@@ -71,8 +71,7 @@ impl Limits {
         };
         let mut limits = Limits::of_urdf(dofs);
         for (name, (lower, upper)) in asked {
-            let joint = dofs.iter().position(|dof| dof.joint == name);
-            let joint = joint.ok_or_else(|| bad(unknown(name, dofs)))?;
+            let joint = place(name, dofs).map_err(bad)?;
             if !(lower.is_finite() && upper.is_finite()) {
                 let said = format!("joint `{name}`: {lower} to {upper} is no range; give numbers");
                 return Err(bad(said));
@@ -110,7 +109,7 @@ impl Limits {
         let mut columns = None;
         let mut lines: HashMap<usize, u64> = HashMap::new();
         let mut wider = Vec::new();
-        for (line, text) in (1..).zip(text.lines()) {
+        for (line, text) in (1..).zip(text.trim_start_matches('\u{feff}').lines()) {
             let bad = |message: String| Error::log(file, Some(line), message);
             let Some(cells) = cells(text) else {
                 continue;
@@ -120,8 +119,7 @@ impl Limits {
                 continue;
             };
             let name = cells.get(columns.joint).unwrap_or("");
-            let joint = dofs.iter().position(|dof| dof.joint.trim() == name);
-            let joint = joint.ok_or_else(|| bad(unknown(name, dofs)))?;
+            let joint = place(name, dofs).map_err(bad)?;
             if let Some(before) = lines.insert(joint, line) {
                 return Err(bad(format!(
                     "joint `{name}` already has limits on line {before}; keep one line"
@@ -184,11 +182,9 @@ struct Columns {
 impl Columns {
     fn of(header: &StringRecord) -> Result<Columns, String> {
         let at = |name: &str| {
-            let plain = |cell: &str| {
-                cell.trim_start_matches('\u{feff}')
-                    .eq_ignore_ascii_case(name)
-            };
-            header.iter().position(plain)
+            header
+                .iter()
+                .position(|cell| cell.eq_ignore_ascii_case(name))
         };
         let ends =
             |unit: &str| Some([at(&format!("lower_{unit}"))?, at(&format!("upper_{unit}"))?]);
@@ -202,24 +198,23 @@ impl Columns {
     /// Lower and upper limit of a row, rad or m.
     fn range(&self, row: &StringRecord, dof: &Dof) -> Result<(f64, f64), String> {
         let name = &dof.joint;
-        let filled = self.pairs.iter().zip(UNITS).filter_map(|(pair, unit)| {
+        let mut filled = self.pairs.iter().zip(UNITS).filter_map(|(pair, unit)| {
             let cells = (*pair)?.map(|k| row.get(k).unwrap_or(""));
             Some((cells, unit)).filter(|(cells, _)| cells.concat() != "")
         });
-        let filled: Vec<_> = filled.collect();
-        let (cells, (unit, prismatic, si)) = match filled[..] {
-            [one] => one,
-            [] => {
-                return Err(format!(
-                    "joint `{name}` has no limits on its line; give both"
-                ));
-            }
-            _ => return Err(format!("joint `{name}` has limits in two units; keep one")),
+        let Some((cells, (unit, prismatic, si))) = filled.next() else {
+            return Err(format!(
+                "joint `{name}` has no limits on its line; give both"
+            ));
         };
+        if filled.next().is_some() {
+            return Err(format!("joint `{name}` has limits in two units; keep one"));
+        }
         if prismatic != dof.prismatic {
-            let (is, right) = match dof.prismatic {
-                true => ("prismatic", "lower_m,upper_m"),
-                false => ("revolute", "lower_deg,upper_deg or lower_rad,upper_rad"),
+            let (is, right) = if dof.prismatic {
+                ("prismatic", "lower_m,upper_m")
+            } else {
+                ("revolute", "lower_deg,upper_deg or lower_rad,upper_rad")
             };
             return Err(format!(
                 "joint `{name}` is {is}, its limits are in {unit}; use columns {right}"
@@ -246,15 +241,17 @@ fn in_order(joint: &str, (lower, upper): (f64, f64)) -> Result<(), String> {
     ))
 }
 
-fn unknown(name: &str, dofs: &[Dof]) -> String {
-    let names: Vec<&str> = dofs.iter().map(|dof| dof.joint.as_str()).collect();
-    match nearest(name, "", names.iter().copied()) {
-        Some(near) => format!("no joint `{name}` moves by itself; did you mean `{near}`?"),
-        None => format!(
-            "no joint `{name}` moves by itself; those that do: {}",
-            list(&names)
-        ),
-    }
+/// Place of a joint among those that move by themselves.
+fn place(name: &str, dofs: &[Dof]) -> Result<usize, String> {
+    let names: Vec<&str> = dofs.iter().map(|dof| dof.joint.trim()).collect();
+    let found = names.iter().position(|own| *own == name.trim());
+    found.ok_or_else(|| {
+        let remedy = match nearest(name, "", names.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("those that do: {}", list(&names)),
+        };
+        format!("no joint `{name}` moves by itself; {remedy}")
+    })
 }
 
 /// Least motion, in parts of the ranges, that changes N equations by `wanted`; `slopes` has a row

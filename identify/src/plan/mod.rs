@@ -16,33 +16,35 @@ mod collision;
 mod collision {
     use crate::poses::Pose;
 
-    pub struct Collisions {
+    pub(super) struct Collisions {
         pub exempt: Vec<[String; 2]>,
     }
 
     impl Collisions {
-        pub fn new(_: &sesc_model::Model, _: &super::shapes::Geometry, _: &[f64]) -> Collisions {
+        pub(super) fn new(
+            _: &sesc_model::Model,
+            _: &super::shapes::Geometry,
+            _: &[f64],
+        ) -> Collisions {
             Collisions { exempt: Vec::new() }
         }
 
-        pub fn first(&self, _: &[Pose]) -> Option<(usize, usize)> {
+        pub(super) fn first(&self, _: &[Pose]) -> Option<(usize, usize)> {
             None
         }
 
-        pub fn is_checked(&self) -> bool {
+        pub(super) fn is_checked(&self) -> bool {
             false
         }
 
-        pub fn sentence(&self) -> String {
+        pub(super) fn sentence(&self) -> String {
             "not checked: built without the feature `collision`".to_string()
         }
     }
 }
 pub(crate) mod design;
 mod limits;
-pub(crate) mod region;
 mod report;
-pub(crate) mod scene;
 pub(crate) mod shapes;
 
 use std::path::PathBuf;
@@ -53,15 +55,13 @@ use sesc_model::{Function, Model};
 
 pub use candidates::Counts;
 #[doc(hidden)]
-pub use candidates::sample;
+pub use candidates::{Scene, sample};
 pub use design::Efficiency;
 pub use limits::Limits;
-pub use region::Region;
 pub use report::{JointUse, Lesson, Motion, Plan, Revisits, TwoFeet};
 #[doc(hidden)]
-pub use scene::Scene;
-#[doc(hidden)]
 pub use shapes::Geometry;
+pub use shapes::Region;
 
 use crate::evaluate::Evaluator;
 use crate::feet::{Closure, Feet, of_many};
@@ -73,7 +73,6 @@ use crate::robot::Robot;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
 use design::WhitenedRows;
-use report::Known;
 
 /// Plan postures.
 ///
@@ -103,7 +102,7 @@ use report::Known;
 pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     request.check()?;
     let model = &*request.model;
-    let known = Known::of(request, watch)?;
+    let (noise, visits) = report::known(request, watch)?;
     let dof = model.dof();
     if dof == 0 {
         return Err(Error::request(
@@ -131,7 +130,6 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let params = model.base.params.len();
     let regressor = Evaluator::new(model, Function::RegressorCop).run(&q, count);
     let regressor = DMatrix::from_vec(params, 2 * count, regressor);
-    let noise = known.reading_std(request.noise);
     let rows = match &prior {
         Some(s) => WhitenedRows::with_prior(&regressor, s, noise),
         None => WhitenedRows::free(&regressor, UNSEEN),
@@ -152,7 +150,12 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     // Two rows of each of the chosen postures.
     let columns: Vec<usize> = chosen.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
     let own_rows = regressor.select_columns(&columns).transpose();
-    let (rank, condition_number) = conditioning(&own_rows);
+    // As a fit of these postures will state them.
+    let mut factor = Factor::new(params);
+    let readings = 2 * chosen.len();
+    factor.push(&own_rows, &DVector::zeros(readings), &vec![1.0; readings]);
+    let solved = solve(&factor, 1.0, &DVector::zeros(params), None);
+    let (rank, condition_number) = (solved.rank, solved.condition_number);
     let told = prior.is_some() || rank >= rows.directions();
     let lessons = report::lessons(model, &regressor, &scene.uncertainty, noise, &chosen);
     let curve = told.then(|| design::curve(&rows, &choice, noise, request.seed, prior.is_some()));
@@ -210,7 +213,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
                 offsets: closure.precision(),
             }
         }),
-        revisits: report::revisits(request, &known, &own_rows),
+        revisits: report::revisits(request, visits, &own_rows),
         joints: report::joint_use(model, &request.limits, &q, &chosen),
         cop: chosen.iter().map(cop_of).collect(),
         log_det: choice.log_det,
@@ -250,15 +253,6 @@ fn scene<'a>(
 fn some(q: &[f64], dof: usize, chosen: &[usize]) -> Vec<f64> {
     let own = chosen.iter().flat_map(|&k| &q[k * dof..(k + 1) * dof]);
     own.copied().collect()
-}
-
-/// Rank and condition number of `rows`, as a fit will state them.
-fn conditioning(rows: &DMatrix<f64>) -> (usize, f64) {
-    let (n, params) = rows.shape();
-    let mut factor = Factor::new(params);
-    factor.push(rows, &DVector::zeros(n), &vec![1.0; n]);
-    let found = solve(&factor, 1.0, &DVector::zeros(params), None);
-    (found.rank, found.condition_number)
 }
 
 /// |CoP| in the seed paper's postures of the OP2, m.

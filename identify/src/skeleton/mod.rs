@@ -22,8 +22,7 @@ use sesc_model::chain::Body;
 use sesc_model::tree::Dof;
 use sesc_model::urdf::{Description, Inertial};
 
-use crate::plan::region::outline;
-use crate::plan::shapes::{Geometry, Solid, at};
+use crate::plan::shapes::{Geometry, Solid, at, outline};
 use crate::poses::{self, Pose};
 
 /// What a capsule stands for.

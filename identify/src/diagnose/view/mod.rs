@@ -6,14 +6,12 @@
 //! χ²(s) = Σ (before + s (after − before))² / σ²            part s of the explanation
 //! ```
 
-mod predicted;
 mod spread;
 mod trends;
 
-pub use predicted::{Predicted, PredictedPoint};
 use sesc_model::effects::Target;
 pub use spread::{EDGE, Region, Regions, Spread};
-pub use trends::{Middle, Point, Quantity, Trend};
+pub use trends::{Middle, Point, Predicted, PredictedPoint, Quantity, Trend};
 
 use super::findings::Explained;
 use super::held_out;
@@ -173,7 +171,7 @@ impl DiagnosisView {
             timed: data.t.is_some(),
             rms_lengths: residuals.rms_lengths(),
             foot: foot(&data.cells),
-            predicted: predicted::predicted(problem, found, &residuals),
+            predicted: trends::predicted(problem, found, &residuals),
             by_position: trends::strongest(problem, found, &residuals, Quantity::Position),
             by_moment: trends::strongest(problem, found, &residuals, Quantity::Moment),
             trends_of_rest: rest,
