@@ -31,7 +31,7 @@ use crate::robot::Robot;
 
 /// The experiment of this name whose log says all that there is to know of it: not
 /// the size of a weight, nor from where a posture was approached.
-pub fn of_log(name: &str) -> Option<Experiment> {
+pub(super) fn of_log(name: &str) -> Option<Experiment> {
     let told = |experiment: &Experiment| {
         !matches!(experiment, Experiment::KnownWeight | Experiment::BothSides)
     };
@@ -238,10 +238,10 @@ fn least(difference: &DVector<f64>, slopes: &DMatrix<f64>, masses: &DMatrix<f64>
 }
 
 /// An experiment that is proposed, with its postures.
-pub type Proposed = (ExperimentProposal, NextLog);
+pub(super) type Proposed = (ExperimentProposal, NextLog);
 
 /// Experiments by how many of the class they exclude, the best first.
-pub fn proposed(
+pub(super) fn proposed(
     problem: &Problem,
     found: &Explained,
     (robot, name): (&Robot, &str),
@@ -416,7 +416,7 @@ fn other_foot(robot: &Robot, support: &str, snapping: Snapping) -> Option<Model>
 }
 
 /// In a sentence or two, for the diagnosis.
-pub fn why(proposed: &[Proposed], found: &Explained) -> String {
+pub(super) fn why(proposed: &[Proposed], found: &Explained) -> String {
     let Some((best, _)) = proposed.first() else {
         return match (found.diagnosis.verdict, found.class.len()) {
             (Verdict::Unusable, _) => "These data cannot be used.".to_string(),

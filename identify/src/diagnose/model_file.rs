@@ -25,7 +25,9 @@ use sesc_model::effects::{self, Catalog, Stage};
 use sesc_model::tape::Tape;
 use sesc_model::{EffectRecord, ModelFile, Quantity};
 
-use super::criteria::{LARGEST_OUTLIER_SHARE, model_file as on_file, stated::*};
+use super::criteria::{
+    AGREES, FILE_AGREES, FLIPPED, GAIN, LARGEST_OUTLIER_SHARE, MOST, OTHER_SIDE, SHORTEST,
+};
 use super::findings::ModelOnLog;
 use super::hypothesis::{CarriedExplanation, Term, effects_of};
 use super::problem::{ALL, Fit, OnBlock, Problem, backlash_sides};
@@ -39,7 +41,7 @@ const ROUNDS: usize = 12;
 
 /// Parameters as the masses' prior and the data have them, and every effect of
 /// the explanation `best` that a model can hold; the logs are added by the caller.
-pub fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
+pub(super) fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
     let model = problem.first().context.robot;
     let identified = best.frees_masses();
     let prior = problem.prior(&best.terms);
@@ -102,7 +104,7 @@ pub(super) fn on_log(problem: &Problem, best: &Fit, file: &ModelFile) -> Result<
     let before = apart.iter().filter(|apart| **apart).count();
     for k in (0..apart.len()).filter(|_| best.is_loose()) {
         let off = |row: usize| (predicted[row] - stated[row]).abs() * first.weight[row];
-        apart[k] |= off(2 * k).max(off(2 * k + 1)) > on_file::OTHER_SIDE;
+        apart[k] |= off(2 * k).max(off(2 * k + 1)) > OTHER_SIDE;
     }
     let left_out = apart.iter().filter(|apart| **apart).count() - before;
     let error = |errors: &[f64]| {
@@ -110,7 +112,7 @@ pub(super) fn on_log(problem: &Problem, best: &Fit, file: &ModelFile) -> Result<
         rms(rows.map(|row| errors[row]))
     };
     let (stated_rmse, predicted_rmse) = (error(&stated), error(&predicted));
-    let slack = on_file::AGREES * stated_rmse.max(first.data.noise_floor);
+    let slack = FILE_AGREES * stated_rmse.max(first.data.noise_floor);
     let few = (left_out as f64) <= LARGEST_OUTLIER_SHARE * apart.len() as f64;
     Ok(ModelOnLog {
         stated_rmse,
@@ -308,7 +310,7 @@ impl FileModel {
         let mut state = problem.state(&fit.terms, fit.unknowns.clone(), &contexts, &weighting);
         // Springs that give way while loose joints slide end a little elsewhere than springs
         // beside joints at rest: the file's own readings count.
-        let on_blocks = state.there.0.iter_mut().zip(&contexts);
+        let on_blocks = state.there.iter_mut().zip(&contexts);
         for (((block, own), sides), (on, context)) in blocks().zip(on_blocks) {
             let mut readings = on.predicted.to_vec();
             for row in (0..readings.len()).filter(|row| !sides.flipped.contains(&(row / 2))) {
@@ -326,8 +328,7 @@ impl FileModel {
         Fit {
             covariance,
             unknowns: state.unknowns,
-            blocks: state.there.0,
-            at_bound: state.there.1,
+            blocks: state.there,
             masses: Some(masses),
             ..fit
         }

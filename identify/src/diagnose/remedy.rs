@@ -250,7 +250,7 @@ pub struct CorrectedUrdf {
 }
 
 /// What of an explanation belongs to the log alone, a sentence each.
-pub(crate) fn of_the_log(problem: &Problem, found: &Explained) -> Vec<String> {
+pub(super) fn of_the_log(problem: &Problem, found: &Explained) -> Vec<String> {
     let outliers = found
         .best
         .terms
@@ -266,7 +266,7 @@ pub(crate) fn of_the_log(problem: &Problem, found: &Explained) -> Vec<String> {
 ///
 /// # Errors
 /// When a text cannot be read again.
-pub(crate) fn corrected_urdf(
+pub(super) fn corrected_urdf(
     problem: &Problem,
     found: &Explained,
     robot: &Robot,

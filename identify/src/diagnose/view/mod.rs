@@ -159,7 +159,11 @@ fn used(q: &[f64], dof: usize) -> Vec<[f64; 2]> {
 }
 
 impl DiagnosisView {
-    pub(crate) fn of(problem: &Problem, found: &Explained, skeleton: Skeleton) -> DiagnosisView {
+    pub(in crate::diagnose) fn of(
+        problem: &Problem,
+        found: &Explained,
+        skeleton: Skeleton,
+    ) -> DiagnosisView {
         let data = &problem.first().data;
         let mut outlier = vec![false; data.len()];
         if let Some(outliers) = &found.best.outliers {

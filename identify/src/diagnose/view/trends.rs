@@ -5,15 +5,13 @@
 //! share = 1 − Σ_bins Σ (e − ē_bin)² / Σ (e − ē)² · (n − 1)/(n − bins)
 //! ```
 
+use super::super::criteria::{BINS, PER_BIN};
 use super::super::findings::{ActsOn, Explained};
 use super::super::problem::Problem;
 use super::{MOST, PER_PANEL, Residuals, chosen};
 
 /// Joints that are shown.
 const SHOWN: usize = 6;
-/// Bins of a trend, at most, and postures that each has to have.
-const BINS: usize = 10;
-const PER_BIN: usize = 6;
 
 /// Moments (Nm) and forces (N) below this are written in thousandths.
 const SMALL: f64 = 0.2;
