@@ -110,11 +110,11 @@ impl<'a, 'm> Trial<'a, 'm> {
     fn separations(&self, truth: &Fit, others: &[&Fit]) -> (Vec<f64>, Vec<f64>) {
         let n = self.there.data.len();
         let mut by_posture = vec![0.0; n];
-        let (told, _) = self.rows(truth);
+        let (expected, _) = self.rows(truth);
         let masses = self.masses();
         let separation = |other: &&Fit| {
             let (theirs, slopes) = self.rows(other);
-            let left = least(&(&told - theirs), &slopes, &masses);
+            let left = least(&(&expected - theirs), &slopes, &masses);
             let old = left.len() - 2 * n;
             for (k, by) in by_posture.iter_mut().enumerate() {
                 let own = left[old + 2 * k].powi(2) + left[old + 2 * k + 1].powi(2);

@@ -64,7 +64,7 @@ pub struct Block<'m> {
     /// Base parameters here from those of the first block; none on the same support.
     shift: Option<Arc<Shift>>,
     /// Shared by copies of the block, whose noise may be another.
-    tapes: Arc<Mutex<HashMap<(Output, Vec<Instance>), Arc<Tape>>>>,
+    tapes: Arc<Mutex<Tapes>>,
 }
 
 /// Whitened rows of the soles: three a posture.
@@ -75,6 +75,9 @@ pub struct Closed {
     /// Derivative of the value by the unknowns, over σ.
     pub slopes: DMatrix<f64>,
 }
+
+/// Programs by what they compute and the effects in them.
+type Tapes = HashMap<(Output, Vec<Instance>), Arc<Tape>>;
 
 /// What a program of a set of terms computes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
