@@ -30,7 +30,7 @@ use crate::lsq::solve::Beyond;
 use crate::observations::correlation::Correlation;
 
 use crate::svd::svd;
-pub use block::{Block, Closed, OwnSides};
+pub use block::{Block, Closed, InFile, OwnSides};
 pub(super) use block::{run_alone, side, soles_of};
 pub(super) use fitting::Weighting;
 
