@@ -83,7 +83,6 @@ impl NextLog {
 
 /// An experiment beside the logs of a problem: a block whose readings are not taken yet.
 struct Trial<'a, 'm> {
-    experiment: Experiment,
     here: &'a Problem<'m>,
     there: Block<'m>,
 }
@@ -98,11 +97,11 @@ impl<'a, 'm> Trial<'a, 'm> {
     ) -> Trial<'a, 'm> {
         let first = here.first();
         let there = on.at(q, first.data.noise_floor).beside(first, experiment);
-        Trial {
-            experiment,
-            here,
-            there,
-        }
+        Trial { here, there }
+    }
+
+    fn is(&self, experiment: Experiment) -> bool {
+        self.there.experiment == Some(experiment)
     }
 
     /// S of each of `others` if `truth` holds, and what each new posture adds to
@@ -129,7 +128,7 @@ impl<'a, 'm> Trial<'a, 'm> {
     /// What the sum of raw cells tells: their noise on it is that of the CoP times
     /// weight over the cells' arm.
     fn by_weight(&self, truth: &Fit, other: &Fit) -> f64 {
-        if self.experiment != Experiment::RawCells {
+        if !self.is(Experiment::RawCells) {
             return 0.0;
         }
         let (context, data) = (&self.here.first().context, &self.here.first().data);
@@ -164,7 +163,7 @@ impl<'a, 'm> Trial<'a, 'm> {
     /// New rows.
     fn predict(&self, fit: &Fit) -> OnBlock {
         let mut own = self.here.carried(&self.there, &fit.terms);
-        if self.experiment == Experiment::KnownWeight {
+        if self.is(Experiment::KnownWeight) {
             self.carry(&mut own);
         }
         let context = self.sides(&own.terms, &own.unknowns(&fit.unknowns));
@@ -192,9 +191,9 @@ impl<'a, 'm> Trial<'a, 'm> {
             return context;
         }
         let dof = self.there.model.dof();
-        let sense = match self.experiment {
-            Experiment::BothSides => -1.0,
-            _ => 1.0,
+        let sense = match self.is(Experiment::BothSides) {
+            true => -1.0,
+            false => 1.0,
         };
         let moments = self
             .there
