@@ -34,7 +34,7 @@ use crate::watch::Watch;
 ///
 /// # Errors
 /// When `watch` stops the search.
-pub fn find<'m>(
+pub(super) fn find<'m>(
     whole_problem: &mut Problem<'m>,
     about: &About,
     watch: &mut dyn Watch,

@@ -22,7 +22,7 @@ use crate::threads::each_long;
 /// Candidates whose columns are made and projected together.
 const PART: usize = 64;
 
-pub struct Dictionary {
+pub(super) struct Dictionary {
     pub candidates: Vec<Candidate>,
     /// Whitened slopes Z, all candidates side by side.
     slopes: DMatrix<f64>,
@@ -31,7 +31,7 @@ pub struct Dictionary {
     squares: [Vec<DMatrix<f64>>; 2],
 }
 
-pub struct Candidate {
+pub(super) struct Candidate {
     pub term: Term,
     /// Its column is what a start does, for effects that have no slope at none.
     started: bool,
@@ -41,7 +41,7 @@ pub struct Candidate {
 
 impl Dictionary {
     /// Slopes at joint positions `q` of each block, those of the logs unless given.
-    pub fn new(problem: &Problem, q: Option<&[Vec<f64>]>) -> Dictionary {
+    pub(super) fn new(problem: &Problem, q: Option<&[Vec<f64>]>) -> Dictionary {
         let context = &problem.first().context;
         let contexts: Vec<Cow<[f64]>> = problem
             .blocks
@@ -128,7 +128,7 @@ impl Dictionary {
     }
 
     /// χ² that each candidate of ordinary size would have in this log.
-    pub fn visible(&self, problem: &Problem) -> Vec<(Term, f64)> {
+    pub(super) fn visible(&self, problem: &Problem) -> Vec<(Term, f64)> {
         let of = |(c, square): (&Candidate, &DMatrix<f64>)| {
             let scales = c.term.scales(&problem.first().context);
             let ordinary = match c.count == scales.len() && !c.started {
@@ -146,7 +146,7 @@ impl Dictionary {
     }
 
     /// How far each candidate would lower the objective of `fit`, to first order.
-    pub fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
+    pub(super) fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
         let masses = problem.masses(&fit.terms);
         let own = fit.unknowns.len();
         // Slopes count as they are, residuals by their weights.
@@ -181,7 +181,7 @@ impl Dictionary {
 
     /// Gains of one candidate with whitened residuals of another model of the same
     /// slopes, `left` of which is no mass error: for wiring faults, tried by the hundred.
-    pub fn gains_of(&self, left: &DVector<f64>) -> Vec<f64> {
+    pub(super) fn gains_of(&self, left: &DVector<f64>) -> Vec<f64> {
         let b = self.slopes.tr_mul(left);
         self.candidates
             .iter()
@@ -191,7 +191,7 @@ impl Dictionary {
     }
 
     /// Every pair's gain, by their places among the candidates.
-    pub fn pairs(
+    pub(super) fn pairs(
         &self,
         problem: &Problem,
         residual: &DVector<f64>,

@@ -23,12 +23,11 @@ use crate::logs::{PostureWriter, Row, Sidecar, Written};
 use crate::observations::postures::range as range_of;
 use crate::plan::design::short_order;
 use crate::plan::{Geometry, Limits, Region, Scene, sample};
-use crate::plan::{Limits, Region};
 use crate::robot::Robot;
 
 /// The experiment of this name whose log says all that there is to know of it: not
 /// the size of a weight, nor from where a posture was approached.
-pub fn of_log(name: &str) -> Option<Experiment> {
+pub(super) fn of_log(name: &str) -> Option<Experiment> {
     let told = |experiment: &Experiment| {
         !matches!(experiment, Experiment::KnownWeight | Experiment::BothSides)
     };
@@ -80,7 +79,6 @@ impl NextLog {
 
 /// An experiment beside the logs of a problem: a block whose readings are not taken yet.
 struct Trial<'a, 'm> {
-    experiment: Experiment,
     here: &'a Problem<'m>,
     there: Block<'m>,
 }
@@ -95,11 +93,11 @@ impl<'a, 'm> Trial<'a, 'm> {
     ) -> Trial<'a, 'm> {
         let first = here.first();
         let there = on.at(q, first.data.noise_floor).beside(first, experiment);
-        Trial {
-            experiment,
-            here,
-            there,
-        }
+        Trial { here, there }
+    }
+
+    fn is(&self, experiment: Experiment) -> bool {
+        self.there.experiment == Some(experiment)
     }
 
     /// S of each of `others` if `truth` holds, and what each new posture adds to
@@ -107,11 +105,11 @@ impl<'a, 'm> Trial<'a, 'm> {
     fn separations(&self, truth: &Fit, others: &[&Fit]) -> (Vec<f64>, Vec<f64>) {
         let n = self.there.data.len();
         let mut by_posture = vec![0.0; n];
-        let (told, _) = self.rows(truth);
+        let (expected, _) = self.rows(truth);
         let masses = self.masses();
         let separation = |other: &&Fit| {
             let (theirs, slopes) = self.rows(other);
-            let left = least(&(&told - theirs), &slopes, &masses);
+            let left = least(&(&expected - theirs), &slopes, &masses);
             let old = left.len() - 2 * n;
             for (k, by) in by_posture.iter_mut().enumerate() {
                 let own = left[old + 2 * k].powi(2) + left[old + 2 * k + 1].powi(2);
@@ -126,7 +124,7 @@ impl<'a, 'm> Trial<'a, 'm> {
     /// What the sum of raw cells tells: their noise on it is that of the CoP times
     /// weight over the cells' arm.
     fn by_weight(&self, truth: &Fit, other: &Fit) -> f64 {
-        if self.experiment != Experiment::RawCells {
+        if !self.is(Experiment::RawCells) {
             return 0.0;
         }
         let (context, data) = (&self.here.first().context, &self.here.first().data);
@@ -161,7 +159,7 @@ impl<'a, 'm> Trial<'a, 'm> {
     /// New rows.
     fn predict(&self, fit: &Fit) -> OnBlock {
         let mut own = self.here.carried(&self.there, &fit.terms);
-        if self.experiment == Experiment::KnownWeight {
+        if self.is(Experiment::KnownWeight) {
             self.carry(&mut own);
         }
         let context = self.sides(&own.terms, &own.unknowns(&fit.unknowns));
@@ -189,9 +187,9 @@ impl<'a, 'm> Trial<'a, 'm> {
             return context;
         }
         let dof = self.there.model.dof();
-        let sense = match self.experiment {
-            Experiment::BothSides => -1.0,
-            _ => 1.0,
+        let sense = match self.is(Experiment::BothSides) {
+            true => -1.0,
+            false => 1.0,
         };
         let moments = self
             .there
@@ -235,10 +233,10 @@ fn least(difference: &DVector<f64>, slopes: &DMatrix<f64>, masses: &DMatrix<f64>
 }
 
 /// An experiment that is proposed, with its postures.
-pub type Proposed = (ExperimentProposal, NextLog);
+pub(super) type Proposed = (ExperimentProposal, NextLog);
 
 /// Experiments by how many of the class they exclude, the best first.
-pub fn proposed(
+pub(super) fn proposed(
     problem: &Problem,
     found: &Explained,
     (robot, name): (&Robot, &str),
@@ -413,7 +411,7 @@ fn other_foot(robot: &Robot, support: &str, snapping: Snapping) -> Option<Model>
 }
 
 /// In a sentence or two, for the diagnosis.
-pub fn why(proposed: &[Proposed], found: &Explained) -> String {
+pub(super) fn why(proposed: &[Proposed], found: &Explained) -> String {
     let Some((best, _)) = proposed.first() else {
         return match (found.diagnosis.verdict, found.class.len()) {
             (Verdict::Unusable, _) => "These data cannot be used.".to_string(),

@@ -525,7 +525,7 @@ pub struct Report {
 }
 
 /// A diagnosis with what reports, models and experiments are made from.
-pub(crate) struct Explained {
+pub(super) struct Explained {
     pub diagnosis: Diagnosis,
     /// The explanation, fitted.
     pub best: Fit,
@@ -537,7 +537,7 @@ pub(crate) struct Explained {
 }
 
 /// Names for the report.
-pub(crate) struct About<'a> {
+pub(super) struct About<'a> {
     pub robot: &'a str,
     pub support: &'a str,
     pub log: &'a str,

@@ -11,7 +11,7 @@ use crate::observations::postures::rms;
 /// Errors of predicted readings, m; outliers, and postures that a dead band
 /// leaves on the side that gravity does not favour, are counted apart.
 #[derive(Debug, Clone, PartialEq)]
-pub struct HeldOut {
+pub(super) struct HeldOut {
     pub gap: Gap,
     /// reading − prediction per entry; NaN where left out.
     pub errors: Vec<f64>,
@@ -47,7 +47,7 @@ pub(super) fn parts(problem: &Problem) -> Vec<usize> {
 
 /// Cross-validation of a hypothesis: each posture predicted without itself. Postures
 /// that are `apart` do not count.
-pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut {
+pub(super) fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut {
     let n = problem.first().data.len();
     if whole.terms.is_empty() && problem.masses(&[]).is_negligible() {
         return of_errors(errors_of(problem, whole, None), apart);
@@ -67,7 +67,7 @@ pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut
 }
 
 /// Errors of the robot with CAD masses.
-pub fn of_cad(problem: &Problem) -> HeldOut {
+pub(super) fn of_cad(problem: &Problem) -> HeldOut {
     let n = problem.first().data.len();
     let data = &problem.first().data;
     let out = problem
@@ -89,14 +89,14 @@ pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> 
 }
 
 /// Postures that no prediction is to be judged by.
-pub fn apart(problem: &Problem, fit: &Fit) -> Vec<bool> {
+pub(super) fn apart(problem: &Problem, fit: &Fit) -> Vec<bool> {
     apart_on_the_way(problem, fit, fit)
 }
 
 /// Postures that a step towards `best` is not judged by: where it has outliers or dead
 /// bands, those that `best` leaves out for them. The step's own would not do: an effect
 /// that is still missing makes every posture look like an outlier.
-pub fn apart_on_the_way(problem: &Problem, step: &Fit, best: &Fit) -> Vec<bool> {
+pub(super) fn apart_on_the_way(problem: &Problem, step: &Fit, best: &Fit) -> Vec<bool> {
     let outlying = step.terms.contains(&Term::Outliers);
     let mut apart = vec![false; problem.first().data.len()];
     if let Some(outliers) = best.outliers.as_ref().filter(|_| outlying) {
@@ -135,7 +135,7 @@ fn of_errors(mut errors: Vec<f64>, apart: &[bool]) -> HeldOut {
 
 /// Effects in the order in which they close the gap, each by its place among those of `best` and
 /// with those before it: the next one is the one that lowers the objective most beside them.
-pub fn order(best: &Fit, fit: &mut dyn FnMut(&[Term]) -> Fit) -> Vec<(usize, Fit)> {
+pub(super) fn order(best: &Fit, fit: &mut dyn FnMut(&[Term]) -> Fit) -> Vec<(usize, Fit)> {
     let mut left: Vec<usize> = (0..best.terms.len()).collect();
     let mut taken: Vec<Term> = Vec::new();
     let mut steps = Vec::new();

@@ -10,20 +10,18 @@
 
 use sesc_model::effects::PostureContext;
 
+use super::criteria::{BINS, PER_BIN};
 use super::findings::Suspect;
 use super::problem::{Fit, Problem};
 use super::{criteria, held_out};
 use crate::feet::ClosureFound;
 
-/// Bins, at most, and the postures that each has to have.
-const BINS: usize = 10;
-const PER_BIN: usize = 6;
 /// Suspects that are listed.
 const LISTED: usize = 3;
 
 /// χ² of what is left against what noise leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Misfit {
+pub(super) struct Misfit {
     pub chi2: f64,
     pub expected: f64,
     /// Rows per independent one: χ² scatters as much more.
@@ -31,7 +29,7 @@ pub struct Misfit {
 }
 
 impl Misfit {
-    pub fn of(problem: &Problem, fit: &Fit) -> Misfit {
+    pub(super) fn of(problem: &Problem, fit: &Fit) -> Misfit {
         let masses = problem.masses(&fit.terms);
         let shift = problem.mass_shift(fit);
         let (mut chi2, mut rows) = (0.0, 0.0);
@@ -63,11 +61,11 @@ impl Misfit {
     }
 
     /// Standard deviations beyond what noise leaves.
-    pub fn deviations(self) -> f64 {
+    pub(super) fn deviations(self) -> f64 {
         (self.chi2 - self.expected) / (2.0 * self.expected * self.rows_per_sample).sqrt()
     }
 
-    pub fn is_clear(self) -> bool {
+    pub(super) fn is_clear(self) -> bool {
         self.deviations() > criteria::LEFTOVER_DEVIATIONS
             && self.chi2 > criteria::LEFTOVER_RATIO * self.expected
     }
@@ -86,7 +84,7 @@ fn residuals(problem: &Problem, fit: &Fit) -> Vec<(usize, [f64; 2])> {
 }
 
 /// What the residual goes with, each with its share of the scatter, the strongest first.
-pub fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
+pub(super) fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
     let residuals = residuals(problem, fit);
     let (data, layout) = (
         &problem.first().data,

@@ -18,17 +18,17 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
-use nalgebra::DMatrix;
-use sesc_model::effects::{self, Catalog, Stage};
-use sesc_model::tape::Tape;
+use sesc_model::effects::{Catalog, Stage};
 use sesc_model::{EffectRecord, ModelFile, Quantity};
 
-use super::criteria::{LARGEST_OUTLIER_SHARE, model_file as on_file, stated::*};
+use super::criteria::{
+    AGREES, FILE_AGREES, FLIPPED, GAIN, LARGEST_OUTLIER_SHARE, MOST, OTHER_SIDE, SHORTEST,
+};
 use super::findings::ModelOnLog;
-use super::hypothesis::{CarriedExplanation, Term, effects_of};
-use super::problem::{ALL, Fit, OnBlock, Problem, backlash_sides};
+use super::hypothesis::effects_of;
+use super::problem::{ALL, Fit, InFile, OnBlock, Problem, backlash_sides};
 use super::{held_out, words};
 use crate::Error;
 use crate::lsq::solve::information;
@@ -39,7 +39,7 @@ const ROUNDS: usize = 12;
 
 /// Parameters as the masses' prior and the data have them, and every effect of
 /// the explanation `best` that a model can hold; the logs are added by the caller.
-pub fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
+pub(super) fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
     let model = problem.first().context.robot;
     let identified = best.frees_masses();
     let prior = problem.prior(&best.terms);
@@ -93,8 +93,7 @@ pub(super) fn on_log(problem: &Problem, best: &Fit, file: &ModelFile) -> Result<
     }
     let (first, mut apart) = (problem.first(), held_out::apart(problem, best));
     let stated = held_out::errors_of(problem, best, None);
-    let predicted = FileModel::new(problem, &best.terms);
-    let predicted = predicted.run(problem, &best.unknowns, &problem.params_of(best));
+    let predicted = in_file(problem, best, &problem.params_of(best));
     let pairs = first.data.reading.iter().zip(&predicted[0].readings);
     let predicted: Vec<f64> = pairs.map(|(y, p)| y - p).collect();
     // On which side of its dead band a joint rests near no moment, the log knows and a
@@ -102,7 +101,7 @@ pub(super) fn on_log(problem: &Problem, best: &Fit, file: &ModelFile) -> Result<
     let before = apart.iter().filter(|apart| **apart).count();
     for k in (0..apart.len()).filter(|_| best.is_loose()) {
         let off = |row: usize| (predicted[row] - stated[row]).abs() * first.weight[row];
-        apart[k] |= off(2 * k).max(off(2 * k + 1)) > on_file::OTHER_SIDE;
+        apart[k] |= off(2 * k).max(off(2 * k + 1)) > OTHER_SIDE;
     }
     let left_out = apart.iter().filter(|apart| **apart).count() - before;
     let error = |errors: &[f64]| {
@@ -110,7 +109,7 @@ pub(super) fn on_log(problem: &Problem, best: &Fit, file: &ModelFile) -> Result<
         rms(rows.map(|row| errors[row]))
     };
     let (stated_rmse, predicted_rmse) = (error(&stated), error(&predicted));
-    let slack = on_file::AGREES * stated_rmse.max(first.data.noise_floor);
+    let slack = FILE_AGREES * stated_rmse.max(first.data.noise_floor);
     let few = (left_out as f64) <= LARGEST_OUTLIER_SHARE * apart.len() as f64;
     Ok(ModelOnLog {
         stated_rmse,
@@ -127,29 +126,39 @@ pub(super) fn settle<'p, 'm>(problem: &'p Problem<'m>, fit: &Fit) -> (Cow<'p, Pr
     if effects_of(&fit.terms).is_empty() {
         return same();
     }
-    let file = FileModel::new(problem, &fit.terms);
     // On which side a loose joint rests, the file decides by its own masses.
     let loose = fit.is_loose();
-    if !loose && file.agrees(problem, fit) {
+    if !loose && agrees(problem, problem, fit) {
         return same();
     }
-    let mut best = file.filled(problem, fit.clone(), problem.params_of(fit));
+    let with = |fit: &Fit, masses: Vec<f64>| {
+        let misfit = misfit(problem, fit, &masses);
+        let masses = Some(masses);
+        (
+            misfit,
+            Fit {
+                masses,
+                ..fit.clone()
+            },
+        )
+    };
+    let (mut least, mut best) = with(fit, problem.params_of(fit));
     if loose && !problem.is_wider() {
         // A prior that holds no masses lets those of light links be anything.
-        let usual = file.filled(problem, fit.clone(), problem.usual_params(fit));
-        if usual.misfit < best.misfit {
-            best = usual;
+        let usual = with(fit, problem.usual_params(fit));
+        if usual.0 < least {
+            (least, best) = usual;
         }
     }
-    let (mut about, mut part) = (best.masses.clone(), 1.0);
+    let (mut about, mut part) = (problem.params_of(&best), 1.0);
     for _ in 0..ROUNDS {
-        let own = file.linearised(problem, &best.fit, &about);
-        let next = own.fit(&fit.terms, Some(&best.fit), ALL);
-        let settled = !loose && file.agrees(&own, &next);
+        let own = linearised(problem, &best, &about);
+        let next = own.fit(&fit.terms, Some(&best), ALL);
+        let settled = !loose && agrees(problem, &own, &next);
         let masses = own.params_of(&next);
-        let next = file.filled(&own, next, masses.clone());
-        if !loose || next.misfit < (1.0 - GAIN) * best.misfit {
-            best = next;
+        let (misfit, next) = with(&next, masses.clone());
+        if !loose || misfit < (1.0 - GAIN) * least {
+            (least, best) = (misfit, next);
         } else {
             part *= 0.5;
         }
@@ -160,176 +169,107 @@ pub(super) fn settle<'p, 'm>(problem: &'p Problem<'m>, fit: &Fit) -> (Cow<'p, Pr
             *about += part * (end - *about);
         }
     }
-    let own = file.linearised(problem, &best.fit, &best.masses);
-    let stated = file.stated(&own, best);
+    let own = linearised(problem, &best, &problem.params_of(&best));
+    let stated = stated(
+        &own,
+        &in_file(problem, &best, &problem.params_of(&best)),
+        best,
+    );
     (Cow::Owned(own), stated)
 }
 
-/// A fit with the masses that its file would hold.
-struct Filled {
-    fit: Fit,
-    /// Base parameters of the first block, m.
-    masses: Vec<f64>,
-    /// χ² that the file leaves.
-    misfit: f64,
+/// What a file with an explanation predicts of each block, where base parameters of the first are
+/// `masses`, m.
+fn in_file(problem: &Problem, fit: &Fit, masses: &[f64]) -> Vec<InFile> {
+    let blocks = problem.blocks.iter();
+    let blocks = blocks.map(|block| {
+        let own = problem.carried(block, &fit.terms);
+        block.in_file(&own, &fit.unknowns, masses)
+    });
+    blocks.collect()
 }
 
-/// A model file with some effects and any masses, on the logs of a problem.
-struct FileModel {
-    blocks: Vec<OfBlock>,
+/// Whether the masses at which a fit ends predict what its linear problem, `about` some masses,
+/// states.
+fn agrees(problem: &Problem, about: &Problem, fit: &Fit) -> bool {
+    let predicted = in_file(problem, fit, &about.params_of(fit));
+    let shift = about.mass_shift_of(fit, ALL);
+    let (mut apart, mut all) = (Vec::new(), Vec::new());
+    let blocks = problem.blocks.iter().zip(&fit.blocks);
+    for (((block, on), own), range) in blocks.zip(&predicted).zip(problem.readings()) {
+        let left = &*on.residual - shift.rows_range(range);
+        apart.extend((block.residual(&own.readings) - &left).iter().copied());
+        all.extend(left.iter().copied());
+    }
+    rms(apart.into_iter()) <= AGREES * rms(all.into_iter())
 }
 
-struct OfBlock {
-    carried: CarriedExplanation,
-    /// Reading, and how far into its dead band each joint is.
-    resting: Tape,
-    /// Reading with its derivatives by the base parameters.
-    by_masses: OnceLock<Tape>,
+/// The problem about masses `r` of the first block (m), its slopes under `fit`.
+fn linearised<'m>(problem: &Problem<'m>, fit: &Fit, r: &[f64]) -> Problem<'m> {
+    let contexts = problem.posture_contexts(Some(fit));
+    let blocks = problem.blocks.iter().zip(&contexts);
+    let blocks = blocks.map(|(block, context)| {
+        let own = problem.carried(block, &fit.terms);
+        block.about(&own, &fit.unknowns, context, r)
+    });
+    problem.about(blocks.collect())
 }
 
-/// What a file predicts of a block, posture by posture.
-struct Predicted {
-    /// x, y, m.
-    readings: Vec<f64>,
-    /// How far into its dead band each joint is.
-    depths: Vec<f64>,
+/// χ² that a file leaves.
+fn misfit(problem: &Problem, fit: &Fit, masses: &[f64]) -> f64 {
+    let predicted = in_file(problem, fit, masses);
+    let blocks = problem.blocks.iter().zip(&fit.blocks).zip(&predicted);
+    let misfits = blocks.map(|((block, on), own)| {
+        let left = block.residual(&own.readings);
+        let postures = left.as_slice().chunks_exact(2).enumerate();
+        let misfit = |(k, left): (usize, &[f64])| match on.flipped.contains(&k) {
+            true => FLIPPED,
+            // What is not a number counts as far off.
+            false => MOST.min(left[0].powi(2) + left[1].powi(2)),
+        };
+        postures.map(misfit).sum::<f64>()
+    });
+    misfits.sum()
 }
 
-impl FileModel {
-    fn new(problem: &Problem, terms: &[Term]) -> FileModel {
-        let blocks = problem.blocks.iter().map(|block| {
-            let carried = problem.carried(block, terms);
-            let effects = effects_of(&carried.terms);
-            OfBlock {
-                resting: Tape::of_many(&effects::resting_reading(&block.context, &effects)),
-                by_masses: OnceLock::new(),
-                carried,
-            }
+/// A fit, about its masses in `problem`, as its file predicts the logs.
+fn stated(problem: &Problem, predicted: &[InFile], fit: Fit) -> Fit {
+    let sides = backlash_sides::settle(problem, &fit.terms, &fit.unknowns, fit.is_loose());
+    let blocks = || problem.blocks.iter().zip(predicted).zip(&sides);
+    let contexts = blocks().map(|((block, own), sides)| {
+        let mut context = sides.posture_context.clone();
+        let joints = own.depths.len() / block.data.len();
+        let stays = |k: usize| sides.flipped.contains(&k);
+        block.put_sides(&mut context, 0..joints, |k, joint, side| match stays(k) {
+            true => side,
+            false => own.depths[k * joints + joint],
         });
-        FileModel {
-            blocks: blocks.collect(),
+        Cow::Owned(context)
+    });
+    let contexts: Vec<Cow<[f64]>> = contexts.collect();
+    let weighting = problem.weighting(&fit.terms, fit.outliers.as_ref(), ALL);
+    let mut state = problem.state(&fit.terms, fit.unknowns.clone(), &contexts, &weighting);
+    // Springs that give way while loose joints slide end a little elsewhere than springs
+    // beside joints at rest: the file's own readings count.
+    let on_blocks = state.there.iter_mut().zip(&contexts);
+    for (((block, own), sides), (on, context)) in blocks().zip(on_blocks) {
+        let mut readings = on.predicted.to_vec();
+        for row in (0..readings.len()).filter(|row| !sides.flipped.contains(&(row / 2))) {
+            readings[row] = block.of_cad(row, own.readings[row]);
         }
+        *on = OnBlock {
+            residual: Arc::new(block.residual(&readings)),
+            predicted: Arc::new(readings),
+            sides: Some(block.sides_of(context)),
+            flipped: sides.flipped.clone(),
+            ..on.clone()
+        };
     }
-
-    /// What the file predicts of each block where base parameters of the first are `masses`, m.
-    fn run(&self, problem: &Problem, unknowns: &[f64], masses: &[f64]) -> Vec<Predicted> {
-        let blocks = problem.blocks.iter().zip(&self.blocks);
-        let predicted = blocks.map(|(block, own)| {
-            let masses = block.params_from_first(masses);
-            let (unknowns, data) = (own.carried.unknowns(unknowns), &block.data);
-            let context = &data.posture_context;
-            let out = block.run(&own.resting, &data.q, &unknowns, context, Some(&masses));
-            let postures = out.chunks_exact(own.resting.outputs());
-            let (readings, depths): (Vec<_>, Vec<_>) = postures.map(|own| own.split_at(2)).unzip();
-            let mut readings = readings.concat();
-            let motion = block.motion_of(&masses);
-            readings.iter_mut().zip(motion).for_each(|(y, by)| *y += by);
-            Predicted {
-                readings,
-                depths: depths.concat(),
-            }
-        });
-        predicted.collect()
-    }
-
-    /// Whether the masses at which a fit ends predict what its linear problem states.
-    fn agrees(&self, problem: &Problem, fit: &Fit) -> bool {
-        let predicted = self.run(problem, &fit.unknowns, &problem.params_of(fit));
-        let shift = problem.mass_shift_of(fit, ALL);
-        let (mut apart, mut all) = (Vec::new(), Vec::new());
-        let blocks = problem.blocks.iter().zip(&fit.blocks);
-        for (((block, on), own), range) in blocks.zip(&predicted).zip(problem.readings()) {
-            let left = &*on.residual - shift.rows_range(range);
-            apart.extend((block.residual(&own.readings) - &left).iter().copied());
-            all.extend(left.iter().copied());
-        }
-        rms(apart.into_iter()) <= AGREES * rms(all.into_iter())
-    }
-
-    /// The problem about masses `r` of the first block (m), its slopes under `fit`.
-    fn linearised<'m>(&self, problem: &Problem<'m>, fit: &Fit, r: &[f64]) -> Problem<'m> {
-        let contexts = problem.posture_contexts(Some(fit));
-        let blocks = problem.blocks.iter().zip(&self.blocks).zip(&contexts);
-        let blocks = blocks.map(|((block, own), context)| {
-            let masses = block.params_from_first(r);
-            let tape = own.by_masses.get_or_init(|| {
-                let effects = effects_of(&own.carried.terms);
-                Tape::of_many(&effects::reading_by_masses(&block.context, &effects))
-            });
-            let unknowns = own.carried.unknowns(&fit.unknowns);
-            let out = block.run(tape, &block.data.q, &unknowns, context, Some(&masses));
-            let width = 1 + masses.len();
-            let still = DMatrix::from_fn(2 * block.data.len(), masses.len(), |row, k| {
-                out[row * width + 1 + k]
-            });
-            block.about(masses, block.with_motion(still))
-        });
-        problem.about(blocks.collect())
-    }
-
-    fn filled(&self, problem: &Problem, fit: Fit, masses: Vec<f64>) -> Filled {
-        let predicted = self.run(problem, &fit.unknowns, &masses);
-        let blocks = problem.blocks.iter().zip(&fit.blocks).zip(&predicted);
-        let misfits = blocks.map(|((block, on), own)| {
-            let left = block.residual(&own.readings);
-            let postures = left.as_slice().chunks_exact(2).enumerate();
-            let misfit = |(k, left): (usize, &[f64])| match on.flipped.contains(&k) {
-                true => FLIPPED,
-                // What is not a number counts as far off.
-                false => MOST.min(left[0].powi(2) + left[1].powi(2)),
-            };
-            postures.map(misfit).sum::<f64>()
-        });
-        Filled {
-            misfit: misfits.sum(),
-            fit,
-            masses,
-        }
-    }
-
-    /// A fit, about its masses in `problem`, as its file predicts the logs.
-    fn stated(&self, problem: &Problem, of: Filled) -> Fit {
-        let Filled { fit, masses, .. } = of;
-        let predicted = self.run(problem, &fit.unknowns, &masses);
-        let sides = backlash_sides::settle(problem, &fit.terms, &fit.unknowns, fit.is_loose());
-        let blocks = || problem.blocks.iter().zip(&predicted).zip(&sides);
-        let contexts = blocks().map(|((block, own), sides)| {
-            let mut context = sides.posture_context.clone();
-            let joints = own.depths.len() / block.data.len();
-            let stays = |k: usize| sides.flipped.contains(&k);
-            block.put_sides(&mut context, 0..joints, |k, joint, side| match stays(k) {
-                true => side,
-                false => own.depths[k * joints + joint],
-            });
-            Cow::Owned(context)
-        });
-        let contexts: Vec<Cow<[f64]>> = contexts.collect();
-        let weighting = problem.weighting(&fit.terms, fit.outliers.as_ref(), ALL);
-        let mut state = problem.state(&fit.terms, fit.unknowns.clone(), &contexts, &weighting);
-        // Springs that give way while loose joints slide end a little elsewhere than springs
-        // beside joints at rest: the file's own readings count.
-        let on_blocks = state.there.0.iter_mut().zip(&contexts);
-        for (((block, own), sides), (on, context)) in blocks().zip(on_blocks) {
-            let mut readings = on.predicted.to_vec();
-            for row in (0..readings.len()).filter(|row| !sides.flipped.contains(&(row / 2))) {
-                readings[row] = block.of_cad(row, own.readings[row]);
-            }
-            *on = OnBlock {
-                residual: Arc::new(block.residual(&readings)),
-                predicted: Arc::new(readings),
-                sides: Some(block.sides_of(context)),
-                flipped: sides.flipped.clone(),
-                ..on.clone()
-            };
-        }
-        let covariance = problem.covariance(&state, &problem.scales(&fit.terms), &weighting);
-        Fit {
-            covariance,
-            unknowns: state.unknowns,
-            blocks: state.there.0,
-            at_bound: state.there.1,
-            masses: Some(masses),
-            ..fit
-        }
+    let covariance = problem.covariance(&state, &problem.scales(&fit.terms), &weighting);
+    Fit {
+        covariance,
+        unknowns: state.unknowns,
+        blocks: state.there,
+        ..fit
     }
 }

@@ -18,7 +18,7 @@ use sesc_model::effects::PostureContext;
 use sesc_model::{Function, Model};
 
 use super::criteria;
-use super::criteria::motion::{DELAY_S, OFFSET};
+use super::criteria::{DELAY_S, OFFSET};
 use super::problem::{Fit, Problem};
 use crate::evaluate::Evaluator;
 use crate::fit::prior::{Prior, Tolerances};

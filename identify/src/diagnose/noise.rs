@@ -1,7 +1,7 @@
 //! Noise beside the best explanation: what it is where nothing states it, whether what is stated is
 //! far larger, and what of it only a posture that is reached again tells.
 
-use super::criteria::noise::FALLS;
+use super::criteria::FALLS;
 use super::findings::{Explained, Verdict};
 use super::leftover::Misfit;
 use super::problem::Problem;

@@ -8,7 +8,7 @@
 //! Blocks share the robot's masses, which are marginalised once for all of them, and the unknowns
 //! of effects. The first block is the log that is reported; further ones are of experiments.
 
-pub mod backlash_sides;
+pub(super) mod backlash_sides;
 mod block;
 mod fitting;
 
@@ -30,13 +30,13 @@ use crate::lsq::solve::Beyond;
 use crate::observations::correlation::Correlation;
 
 use crate::svd::svd;
-pub use block::{Block, Closed, OwnSides};
+pub use block::{Block, Closed, InFile, OwnSides};
 pub(super) use block::{run_alone, side, soles_of};
 pub(super) use fitting::Weighting;
 
 /// Logs of a robot, and the prior of its masses.
 #[derive(Clone)]
-pub struct Problem<'m> {
+pub(super) struct Problem<'m> {
     /// The log that is reported, then those of experiments.
     pub blocks: Vec<Block<'m>>,
     /// What is known of masses before the logs: the prior that was asked for, and the usual
@@ -50,7 +50,7 @@ pub struct Problem<'m> {
 }
 
 /// A hypothesis to be fitted.
-pub struct Proposal {
+pub(super) struct Proposal {
     pub terms: Vec<Term>,
     /// Score to first order.
     pub predicted_score: f64,
@@ -59,14 +59,14 @@ pub struct Proposal {
 
 impl Proposal {
     /// The most promising first.
-    pub fn order(&self, other: &Proposal) -> std::cmp::Ordering {
+    pub(super) fn order(&self, other: &Proposal) -> std::cmp::Ordering {
         self.predicted_score.total_cmp(&other.predicted_score)
     }
 }
 
 /// A hypothesis, fitted.
 #[derive(Debug, Clone)]
-pub struct Fit {
+pub(super) struct Fit {
     pub terms: Vec<Term>,
     pub unknowns: Vec<f64>,
     /// Covariance of the unknowns.
@@ -80,8 +80,6 @@ pub struct Fit {
     pub blocks: Vec<OnBlock>,
     /// Outliers are among the readings of the first block.
     pub outliers: Option<Outliers>,
-    /// Walls that are touched: the answer lies at the edge of what is physical.
-    pub at_bound: f64,
     /// Base parameters (m) that it is stated with, where they are not those that its
     /// residuals suggest: the problem is then about them.
     pub masses: Option<Vec<f64>>,
@@ -89,7 +87,7 @@ pub struct Fit {
 
 /// What a hypothesis predicts of a block.
 #[derive(Debug, Clone)]
-pub struct OnBlock {
+pub(super) struct OnBlock {
     /// Readings, CAD masses, m.
     pub predicted: Arc<Vec<f64>>,
     /// Whitened residuals (reading − predicted)/σ.
@@ -106,34 +104,34 @@ pub struct OnBlock {
 
 impl Fit {
     /// Smaller is better.
-    pub fn score(&self) -> f64 {
+    pub(super) fn score(&self) -> f64 {
         self.objective + self.penalty
     }
 
     /// What was found of one of its terms.
-    pub fn unknowns_of(&self, context: &EffectContext, wanted: &Term) -> Option<&[f64]> {
+    pub(super) fn unknowns_of(&self, context: &EffectContext, wanted: &Term) -> Option<&[f64]> {
         let mut all = with_places(&self.terms, context);
         let (_, own) = all.find(|(term, _)| *term == wanted)?;
         Some(&self.unknowns[own])
     }
 
     /// Whether a joint has a dead band.
-    pub fn is_loose(&self) -> bool {
+    pub(super) fn is_loose(&self) -> bool {
         self.terms.iter().any(|term| term.dead_band().is_some())
     }
 
     /// Whether masses are identified within the usual tolerances of CAD.
-    pub fn frees_masses(&self) -> bool {
+    pub(super) fn frees_masses(&self) -> bool {
         self.terms.contains(&Term::Masses)
     }
 
     /// Whitened residuals of all rows.
-    pub fn residual(&self) -> DVector<f64> {
+    pub(super) fn residual(&self) -> DVector<f64> {
         stacked_residual(&self.blocks)
     }
 
     /// Whitened slopes of all rows.
-    pub fn slopes(&self) -> DMatrix<f64> {
+    pub(super) fn slopes(&self) -> DMatrix<f64> {
         stacked_slopes(&self.blocks, self.unknowns.len())
     }
 }
@@ -161,11 +159,11 @@ pub(super) fn stacked_slopes(blocks: &[OnBlock], unknowns: usize) -> DMatrix<f64
 }
 
 /// Postures of the first block that count in a fit: all of them.
-pub const ALL: Option<&[bool]> = None;
+pub(super) const ALL: Option<&[bool]> = None;
 
 impl<'m> Problem<'m> {
     /// Logs of the robot, the first of which is reported.
-    pub fn new(blocks: Vec<Block<'m>>, prior: &Prior) -> Problem<'m> {
+    pub(super) fn new(blocks: Vec<Block<'m>>, prior: &Prior) -> Problem<'m> {
         let model = blocks[0].model;
         let p = model.base.params.len();
         let known = |prior: &Prior| {
@@ -199,7 +197,7 @@ impl<'m> Problem<'m> {
     }
 
     /// The log that is reported.
-    pub fn first(&self) -> &Block<'m> {
+    pub(super) fn first(&self) -> &Block<'m> {
         &self.blocks[0]
     }
 
@@ -329,7 +327,7 @@ impl<'m> Problem<'m> {
 
     /// What unknowns and the number of things that were looked at cost:
     /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
-    pub fn penalty(&self, terms: &[Term]) -> f64 {
+    pub(super) fn penalty(&self, terms: &[Term]) -> f64 {
         let readings = self.height() as f64;
         let kinds = self.targets.len() + hypothesis::MODEL_PAGES.len();
         let targets = |term: &Term| match term.effect() {
@@ -348,7 +346,7 @@ impl<'m> Problem<'m> {
     }
 
     /// A hypothesis with one term more, which changes its objective, to first order.
-    pub fn propose(&self, parent: &Fit, term: &Term, change: f64) -> Proposal {
+    pub(super) fn propose(&self, parent: &Fit, term: &Term, change: f64) -> Proposal {
         let own = std::slice::from_ref(term);
         Proposal {
             terms: [&parent.terms[..], own].concat(),
@@ -363,7 +361,7 @@ impl<'m> Problem<'m> {
     /// A fault in an elbow that explains what an ankle's would has to be absurdly
     /// large. Weights of one effect sum to one, so false alarms stay as rare as
     /// with even weights.
-    pub fn weigh_targets(&mut self, visible: &[(Term, f64)]) {
+    pub(super) fn weigh_targets(&mut self, visible: &[(Term, f64)]) {
         let chance = |chi2: f64| criteria::UNSEEN_CHANCE + (1.0 + chi2 / criteria::VISIBLE).ln();
         let mut sums: HashMap<&str, f64> = HashMap::new();
         for (term, chi2) in visible {
@@ -381,7 +379,7 @@ impl<'m> Problem<'m> {
     }
 
     /// The masses' directions under a hypothesis.
-    pub fn masses(&self, terms: &[Term]) -> &Nuisance {
+    pub(super) fn masses(&self, terms: &[Term]) -> &Nuisance {
         &self.prior(terms).nuisance
     }
 
@@ -520,7 +518,7 @@ impl<'m> Problem<'m> {
     }
 
     /// Joint positions of every block's postures as a hypothesis bends them.
-    pub fn bent(&self, fit: &Fit) -> Vec<Vec<f64>> {
+    pub(super) fn bent(&self, fit: &Fit) -> Vec<Vec<f64>> {
         let contexts = self.posture_contexts(Some(fit));
         let blocks = self.blocks.iter().zip(&contexts);
         blocks

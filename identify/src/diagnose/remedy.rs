@@ -19,7 +19,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use sesc_model::effects::{Catalog, EncoderMap, Stage, Target, UrdfEdit};
+use sesc_model::effects::{Catalog, Effect, EncoderMap, Stage, Target, UrdfEdit};
 use sesc_model::urdf::{self, Description, Load, Weight};
 use sesc_model::{Model, ModelFile, Snapping};
 
@@ -212,10 +212,7 @@ fn of_term(problem: &Problem, term: &Term, values: &[f64], description: &Descrip
                 let found = pairs.find(|(parameter, _)| parameter.name == name);
                 found.map_or(0.0, |(_, value)| *value)
             };
-            let edited = match effect.urdf_edit(&context.name_of(target), &value) {
-                Some(edit) => edited(description, edit, 1.0),
-                None => Err(effect.urdf_gap().to_string()),
-            };
+            let edited = edited(description, effect, (&context.name_of(target), &value), 1.0);
             let change = edited.map(|text| changed(&description.text, &text));
             (effect.remedy(context, target, values), change)
         }
@@ -250,7 +247,7 @@ pub struct CorrectedUrdf {
 }
 
 /// What of an explanation belongs to the log alone, a sentence each.
-pub(crate) fn of_the_log(problem: &Problem, found: &Explained) -> Vec<String> {
+pub(super) fn of_the_log(problem: &Problem, found: &Explained) -> Vec<String> {
     let outliers = found
         .best
         .terms
@@ -266,7 +263,7 @@ pub(crate) fn of_the_log(problem: &Problem, found: &Explained) -> Vec<String> {
 ///
 /// # Errors
 /// When a text cannot be read again.
-pub(crate) fn corrected_urdf(
+pub(super) fn corrected_urdf(
     problem: &Problem,
     found: &Explained,
     robot: &Robot,
@@ -338,12 +335,9 @@ pub fn of_model_file(
         let value = |name: &str| record.parameters.get(name).map_or(0.0, |q| q.value);
         let edited = match catalog.named(&record.effect) {
             None => Err("it is not known".to_string()),
-            Some(effect) => match effect.urdf_edit(&record.target, &value) {
-                None => Err(effect.urdf_gap().to_string()),
-                Some(edit) => urdf::parse(&text, name)
-                    .map_err(|error| error.to_string())
-                    .and_then(|description| edited(&description, edit, scale)),
-            },
+            Some(effect) => urdf::parse(&text, name)
+                .map_err(|error| error.to_string())
+                .and_then(|own| edited(&own, effect, (&record.target, &value), scale)),
         };
         match edited {
             Ok(edited) => text = edited,
@@ -361,10 +355,16 @@ pub fn of_model_file(
     Ok(CorrectedUrdf { text, left_out })
 }
 
-/// The text of `description` with one edit, where a robot of another mass carries `scale` times as
-/// much; else why no URDF holds it.
-fn edited(description: &Description, edit: UrdfEdit, scale: f64) -> Result<String, String> {
-    let edited = match edit {
+/// The text of `description` with an effect of these values at its target, where a robot of another
+/// mass carries `scale` times as much; else why no URDF holds it.
+fn edited(
+    description: &Description,
+    effect: &dyn Effect,
+    (target, value): (&str, &dyn Fn(&str) -> f64),
+    scale: f64,
+) -> Result<String, String> {
+    let gap = || effect.urdf_gap().to_string();
+    let edited = match effect.urdf_edit(target, value).ok_or_else(gap)? {
         UrdfEdit::Joint(shift) => urdf::edit_joints(description, &[shift]),
         UrdfEdit::Mass(mut load) => {
             load.mass_kg *= scale;

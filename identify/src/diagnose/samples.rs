@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::criteria::samples::{COUNTS, LONGER, STAYED};
+use super::criteria::{COUNTS, LONGER, STAYED};
 use super::diagnosis;
 use super::findings::{About, Explained};
 use super::noise;

@@ -22,7 +22,7 @@ use crate::threads::{each_long, processors};
 use crate::watch::{Watch, tell};
 
 /// Fitted hypotheses.
-pub struct Search<'m> {
+pub(super) struct Search<'m> {
     pub problem: Arc<Problem<'m>>,
     known: HashMap<Vec<Term>, Fit>,
     base: Dictionary,
@@ -33,7 +33,7 @@ pub struct Search<'m> {
 }
 
 impl<'m> Search<'m> {
-    pub fn new(mut problem: Problem<'m>) -> Self {
+    pub(super) fn new(mut problem: Problem<'m>) -> Self {
         let base = Dictionary::new(&problem, None);
         let visible = base.visible(&problem);
         problem.weigh_targets(&visible);
@@ -54,7 +54,7 @@ impl<'m> Search<'m> {
     ///
     /// # Errors
     /// When `watch` stops the search.
-    pub fn run(&mut self, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
+    pub(super) fn run(&mut self, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
         let null = self.fit(&[], None);
         let faults = wiring::faults(&self.problem);
         let mut beam = vec![null];
@@ -94,7 +94,7 @@ impl<'m> Search<'m> {
         Ok(self.ranked())
     }
 
-    pub fn ranked(&self) -> Vec<Fit> {
+    pub(super) fn ranked(&self) -> Vec<Fit> {
         let mut all: Vec<Fit> = self.known.values().cloned().collect();
         // Ties go to the fewest, then to the order of the list.
         let context = &self.problem.first().context;
@@ -118,7 +118,7 @@ impl<'m> Search<'m> {
     }
 
     /// Fit a set of terms once.
-    pub fn fit(&mut self, terms: &[Term], parent: Option<&Fit>) -> Fit {
+    pub(super) fn fit(&mut self, terms: &[Term], parent: Option<&Fit>) -> Fit {
         let terms = sorted(&self.problem.first().context, terms);
         if let Some(fit) = self.known.get(&terms) {
             return fit.clone();

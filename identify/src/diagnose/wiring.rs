@@ -54,7 +54,7 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) ->
     let mut beside: Vec<Proposal> = beside.into_iter().flatten().collect();
     for list in [&mut alone, &mut beside] {
         list.sort_by(Proposal::order);
-        list.truncate(criteria::WIRING_ALONE);
+        list.truncate(criteria::TRIED);
     }
     alone.extend(beside);
     alone

@@ -19,7 +19,7 @@ pub struct NamedValue<'n> {
 }
 
 /// What each effect of a fit amounts to: deviations by the slopes of the values.
-pub fn values(problem: &Problem, fit: &Fit) -> Vec<Vec<NamedValue<'static>>> {
+pub(super) fn values(problem: &Problem, fit: &Fit) -> Vec<Vec<NamedValue<'static>>> {
     let context = &problem.first().context;
     with_places(&fit.terms, context)
         .map(|(term, own)| {
@@ -82,7 +82,7 @@ pub fn named(found: &NamedValue) -> String {
 }
 
 /// `subject`, with its values: `backlash in every joint: width 0.93° ± 0.04°`.
-pub fn clause(context: &EffectContext, term: &Term, values: &[NamedValue]) -> String {
+pub(super) fn clause(context: &EffectContext, term: &Term, values: &[NamedValue]) -> String {
     let subject = term.phrase(context);
     if values.is_empty() {
         return subject;

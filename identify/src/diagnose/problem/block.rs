@@ -65,7 +65,7 @@ pub struct Block<'m> {
     /// Base parameters here from those of the first block; none on the same support.
     shift: Option<Arc<Shift>>,
     /// Shared by copies of the block, whose noise may be another.
-    tapes: Arc<Mutex<HashMap<(Output, Vec<Instance>), Arc<Tape>>>>,
+    tapes: Arc<Mutex<Tapes>>,
 }
 
 /// Whitened rows of the soles: three a posture.
@@ -77,6 +77,17 @@ pub struct Closed {
     pub slopes: DMatrix<f64>,
 }
 
+/// What a model file predicts of a log, posture by posture.
+pub struct InFile {
+    /// x, y, m.
+    pub readings: Vec<f64>,
+    /// How far into its dead band each joint is.
+    pub depths: Vec<f64>,
+}
+
+/// Programs by what they compute and the effects in them.
+type Tapes = HashMap<(Output, Vec<Instance>), Arc<Tape>>;
+
 /// What a program of a set of terms computes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Output {
@@ -87,6 +98,10 @@ enum Output {
     Joints,
     /// Where the other sole is.
     Sole,
+    /// Of any masses: reading, and how far into its dead band each joint is.
+    InFile,
+    /// Of any masses: reading with its derivatives by the base parameters.
+    ByMasses,
 }
 
 /// Whether a term moves a joint from where its encoder says.
@@ -212,22 +227,6 @@ impl<'m> Block<'m> {
         }
     }
 
-    /// The same block about masses `params` (m): `rows` are the slopes of readings there.
-    pub(in crate::diagnose) fn about(&self, params: Vec<f64>, rows: DMatrix<f64>) -> Block<'m> {
-        let errors = params.iter().zip(&self.cad).map(|(r, cad)| r - cad);
-        let mut offset = &rows * DVector::from_iterator(params.len(), errors);
-        for (shift, weight) in offset.iter_mut().zip(&self.weight) {
-            *shift *= weight;
-        }
-        Block {
-            params,
-            offset: Some(offset),
-            rows: Arc::new(rows),
-            tapes: Arc::default(),
-            ..self.clone()
-        }
-    }
-
     /// Readings and, below them, rows of the soles.
     pub(super) fn height(&self) -> usize {
         let soles = if self.closure.is_some() { ROWS } else { 0 };
@@ -243,31 +242,13 @@ impl<'m> Block<'m> {
     }
 
     /// Base parameters here where those of the first block are `r`, m.
-    pub(in crate::diagnose) fn params_from_first(&self, r: &[f64]) -> Vec<f64> {
+    fn params_from_first(&self, r: &[f64]) -> Vec<f64> {
         match &self.shift {
             Some(shift) => {
                 let own = &shift.matrix * DVector::from_column_slice(r) + &shift.offset;
                 own.as_slice().to_vec()
             }
             None => r.to_vec(),
-        }
-    }
-
-    /// Change of what motion adds to readings where masses are `r` (m) and not CAD's, m; empty of
-    /// standing robots.
-    pub(in crate::diagnose) fn motion_of(&self, r: &[f64]) -> Vec<f64> {
-        let Some(rows) = &self.motion_rows else {
-            return Vec::new();
-        };
-        let off = DVector::from_fn(r.len(), |k, _| r[k] - self.cad[k]);
-        (&**rows * off).as_slice().to_vec()
-    }
-
-    /// Derivative of readings by masses where that of readings without motion is `still`.
-    pub(in crate::diagnose) fn with_motion(&self, still: DMatrix<f64>) -> DMatrix<f64> {
-        match &self.motion_rows {
-            Some(rows) => still + &**rows,
-            None => still,
         }
     }
 
@@ -322,6 +303,8 @@ impl<'m> Block<'m> {
         let program = match (output, &self.closure) {
             (Output::Moments, _) => effects::moments(context, terms, params),
             (Output::Joints, _) => effects::joints(context, terms, params),
+            (Output::InFile, _) => effects::resting_reading(context, terms),
+            (Output::ByMasses, _) => effects::reading_by_masses(context, terms),
             (Output::Sole, Some(closure)) => {
                 effects::other_sole(context, terms, params, closure.other.place())
             }
@@ -333,7 +316,7 @@ impl<'m> Block<'m> {
 
     /// Outputs of a program at joint positions `q`, posture by posture; of one of any masses at
     /// `masses`, m.
-    pub(in crate::diagnose) fn run(
+    fn run(
         &self,
         tape: &Tape,
         q: &[f64],
@@ -395,6 +378,73 @@ impl<'m> Block<'m> {
             }),
             sides: None,
             flipped: Vec::new(),
+        }
+    }
+
+    /// What a file with an explanation predicts of this log where base parameters of the first
+    /// block are `masses`, m.
+    pub(in crate::diagnose) fn in_file(
+        &self,
+        own: &CarriedExplanation,
+        unknowns: &[f64],
+        masses: &[f64],
+    ) -> InFile {
+        let (tape, masses) = (
+            self.tape(Output::InFile, &own.terms),
+            self.params_from_first(masses),
+        );
+        let (given, context) = (own.unknowns(unknowns), &self.data.posture_context);
+        let out = self.run(&tape, &self.data.q, &given, context, Some(&masses));
+        let postures = out.chunks_exact(tape.outputs()).map(|own| own.split_at(2));
+        let (readings, depths): (Vec<_>, Vec<_>) = postures.unzip();
+        let mut readings = readings.concat();
+        if let Some(rows) = &self.motion_rows {
+            // Motion adds more or less where masses are not CAD's.
+            let off = DVector::from_fn(masses.len(), |k, _| masses[k] - self.cad[k]);
+            let motion = &**rows * off;
+            readings
+                .iter_mut()
+                .zip(&motion)
+                .for_each(|(y, by)| *y += by);
+        }
+        InFile {
+            readings,
+            depths: depths.concat(),
+        }
+    }
+
+    /// The same block about base parameters `masses` (m) of the first, slopes by masses as an
+    /// explanation has them there.
+    pub(in crate::diagnose) fn about(
+        &self,
+        own: &CarriedExplanation,
+        unknowns: &[f64],
+        posture_context: &[f64],
+        masses: &[f64],
+    ) -> Block<'m> {
+        let (tape, params) = (
+            self.tape(Output::ByMasses, &own.terms),
+            self.params_from_first(masses),
+        );
+        let (given, width) = (own.unknowns(unknowns), 1 + params.len());
+        let out = self.run(&tape, &self.data.q, &given, posture_context, Some(&params));
+        let mut rows = DMatrix::from_fn(2 * self.data.len(), params.len(), |row, k| {
+            out[row * width + 1 + k]
+        });
+        if let Some(motion) = &self.motion_rows {
+            rows += &**motion;
+        }
+        let errors = params.iter().zip(&self.cad).map(|(r, cad)| r - cad);
+        let mut offset = &rows * DVector::from_iterator(params.len(), errors);
+        for (shift, weight) in offset.iter_mut().zip(&self.weight) {
+            *shift *= weight;
+        }
+        Block {
+            params,
+            offset: Some(offset),
+            rows: Arc::new(rows),
+            tapes: Arc::default(),
+            ..self.clone()
         }
     }
 

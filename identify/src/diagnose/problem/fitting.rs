@@ -14,14 +14,13 @@ use nalgebra::{DMatrix, DVector};
 use super::backlash_sides::{self, Sides};
 use super::{Block, Fit, OnBlock, Problem};
 use super::{stacked_residual, stacked_slopes};
+use crate::diagnose::criteria;
 use crate::diagnose::hypothesis::{Term, with_places};
 use crate::diagnose::nuisance::Nuisance;
 use crate::diagnose::outliers::Outliers;
 use crate::lsq::damped::{self, Expansion, SETTLED};
 use crate::lsq::transposed_times;
 
-/// Starts of a fit, at most.
-const STARTS: usize = 8;
 /// Rounds in which sides of dead bands and outliers are settled with the rest.
 const ROUNDS: usize = 4;
 
@@ -52,7 +51,7 @@ impl Problem<'_> {
             };
             starts = starts.iter().flat_map(longer).collect();
         }
-        starts.truncate(STARTS);
+        starts.truncate(criteria::TRIED);
         starts
     }
 
@@ -131,10 +130,10 @@ impl Problem<'_> {
             .map(|own| own.penalty)
             .sum::<f64>();
         if let Some(outliers) = outliers {
-            let residual = &state.there.0[0].residual;
+            let residual = &state.there[0].residual;
             objective = outliers.objective(residual, keep, objective);
         }
-        let (mut blocks, at_bound) = state.there;
+        let mut blocks = state.there;
         let settled = blocks
             .iter_mut()
             .zip(&self.blocks)
@@ -151,7 +150,6 @@ impl Problem<'_> {
             objective,
             blocks,
             outliers: outliers.cloned(),
-            at_bound,
             masses: None,
         }
     }
@@ -186,7 +184,7 @@ impl Problem<'_> {
             return None;
         }
         let unknowns = state.unknowns.len();
-        let mut z = stacked_slopes(&state.there.0, unknowns);
+        let mut z = stacked_slopes(&state.there, unknowns);
         weighting.weigh(&mut z);
         z = weighting.masses.project_out(&z);
         weighting.weigh(&mut z);
@@ -247,7 +245,7 @@ impl Problem<'_> {
             value: products[(width, width)],
             normal: products.view((0, 0), (width, width)).into_owned(),
             gradient: products.view((0, width), (width, 1)).column(0).into_owned(),
-            there: (blocks, 0.0),
+            there: blocks,
             unknowns,
         };
         self.add_walls(terms, &mut state);
@@ -276,7 +274,6 @@ impl Problem<'_> {
                 });
                 let (at, count) = (places.start, own.len());
                 state.value += now * now;
-                state.there.1 += now * now;
                 let mut gradient = state.gradient.rows_mut(at, count);
                 gradient -= now * &slope;
                 let mut normal = state.normal.view_mut((at, at), (count, count));
@@ -301,6 +298,5 @@ impl Weighting<'_> {
     }
 }
 
-/// A hypothesis at given unknowns: what it predicts of each block there, and how far beyond its
-/// bounds it is.
-pub(in crate::diagnose) type State = Expansion<(Vec<OnBlock>, f64)>;
+/// A hypothesis at given unknowns, with what it predicts of each block there.
+pub(in crate::diagnose) type State = Expansion<Vec<OnBlock>>;

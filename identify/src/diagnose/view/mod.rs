@@ -145,7 +145,11 @@ impl Residuals {
 }
 
 impl DiagnosisView {
-    pub(crate) fn of(problem: &Problem, found: &Explained, skeleton: Skeleton) -> DiagnosisView {
+    pub(in crate::diagnose) fn of(
+        problem: &Problem,
+        found: &Explained,
+        skeleton: Skeleton,
+    ) -> DiagnosisView {
         let (data, dof) = (&problem.first().data, problem.first().model.dof());
         let mut outlier = vec![false; data.len()];
         if let Some(outliers) = &found.best.outliers {

@@ -9,6 +9,7 @@
 //! `rest` is what the whole explanation leaves, so the gap is what all of it but this effect
 //! leaves. Where the effect is right, gap = change but for noise: a line of slope 1.
 
+use super::super::criteria::{BINS, PER_BIN};
 use super::super::findings::{ActsOn, Explained};
 use super::super::hypothesis::{Term, with_places};
 use super::super::problem::{Fit, Problem};
@@ -120,9 +121,6 @@ fn panel(subject: String, axis: usize, change: &[f64], residuals: &Residuals) ->
 
 /// Joints that are shown.
 const SHOWN: usize = 6;
-/// Bins of a trend, at most, and postures that each has to have.
-const BINS: usize = 10;
-const PER_BIN: usize = 6;
 
 /// Moments (Nm) and forces (N) below this are written in thousandths.
 const SMALL: f64 = 0.2;
