@@ -10,7 +10,7 @@ use sesc_model::tape::Tape;
 use super::criteria;
 use super::dictionary::Dictionary;
 use super::hypothesis::Term;
-use super::problem::{Fit, Problem, Proposal, stacked_residual, stacked_slopes};
+use super::problem::{Fit, Problem, Proposal, run_alone, stacked_residual, stacked_slopes};
 use crate::health::wirings;
 use crate::lsq::factor_normal;
 use crate::threads::each_long;

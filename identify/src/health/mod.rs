@@ -180,7 +180,7 @@ pub(crate) fn look(
         snapping,
     };
     let rows = LogRows::read(&samples, (robot, model), noise, watch)?;
-    let (left_out, findings) = judge(&rows, on);
+    let (left_out, findings) = judge_rows(&rows, on);
     // At most 2000 postures.
     let stride = rows.len().div_ceil(2000).max(1);
     let kept = |k: &usize| {
@@ -221,8 +221,15 @@ pub(crate) fn screen(
         model,
         snapping: Snapping::default(),
     };
-    let (left_out, findings) = judge(&rows, on);
+    let (left_out, findings) = judge_rows(&rows, on);
     Ok((screened(samples, left_out), findings))
+}
+
+/// What is wrong with rows, by themselves and beside what CAD says, and what to leave out.
+fn judge_rows(rows: &LogRows, on: On) -> (LeftOut, Vec<Finding>) {
+    let (mut left_out, mut findings) = rows::judge(rows, on);
+    findings.extend(parked(rows, on, &mut left_out));
+    (left_out, findings)
 }
 
 /// A log without the rows that are to be left out.

@@ -84,7 +84,7 @@ fn change(problem: &Problem, best: &Fit, at: usize) -> Option<Vec<f64>> {
     // Values come with their derivatives by the unknowns.
     let readings = |terms: &[Term], unknowns: &[f64]| -> Vec<f64> {
         let out = problem
-            .first
+            .first()
             .evaluate(terms, unknowns, &problem.first().data.q, &posture_context);
         out.into_iter().step_by(1 + unknowns.len()).collect()
     };
