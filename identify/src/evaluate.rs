@@ -364,6 +364,18 @@ mod tests {
     use crate::robot::{Robot, Stance};
 
     #[test]
+    fn level_readings_have_the_bits_of_the_functions() {
+        let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/op2/op2.urdf");
+        let robot = Robot::read(Path::new(urdf)).unwrap();
+        let model = Stance::new(robot).on("r_sole").model().unwrap();
+        let n = 100;
+        let q: Vec<f64> = (0..n * model.dof()).map(|k| f64::sin(k as f64)).collect();
+        let (com, cop) = ReadingPredictor::new(&model).run(&q, n, &[], &[]);
+        assert_eq!(com, Evaluator::new(&model, Function::Com).run(&q, n));
+        assert_eq!(cop, Evaluator::new(&model, Function::Cop).run(&q, n));
+    }
+
+    #[test]
     fn a_posture_alone_has_the_bits_of_its_batch() {
         let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/op2/op2.urdf");
         let robot = Robot::read(Path::new(urdf)).unwrap();

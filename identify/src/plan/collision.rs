@@ -18,16 +18,18 @@ use crate::poses::{self, Pose};
 
 /// Pairs of bodies to watch.
 pub(super) struct Collisions {
-    /// Collision shapes of the robot.
-    shapes: usize,
-    /// Those of each body that has any.
+    /// The collision shapes of each body that has any.
     bodies: BTreeMap<usize, Compound>,
     /// Pairs of bodies that are not compared, the smaller first: neighbours, and `exempt`.
     beside: BTreeSet<(usize, usize)>,
     /// Pairs of bodies that touch at rest, by the names of their links.
-    pub exempt: Vec<[String; 2]>,
+    pub(super) exempt: Vec<[String; 2]>,
     /// Pairs of bodies that are watched.
     watched: usize,
+    /// Whether any are.
+    pub(super) is_checked: bool,
+    /// What is watched, in words.
+    pub(super) sentence: String,
 }
 
 impl Collisions {
@@ -46,11 +48,12 @@ impl Collisions {
         let n = parts.len();
         let compounds = parts.into_iter();
         let mut all = Collisions {
-            shapes: geometry.shapes.len(),
             watched: n * n.saturating_sub(1) / 2 - beside.len(),
             bodies: compounds.map(|(k, own)| (k, Compound::new(own))).collect(),
             beside,
             exempt: Vec::new(),
+            is_checked: !geometry.shapes.is_empty(),
+            sentence: "not checked: the robot has no collision shapes".to_string(),
         };
         let bodies = poses::bodies(&model.chain.bodies, rest);
         let name = |body: usize| model.chain.bodies[body].name.clone();
@@ -61,21 +64,12 @@ impl Collisions {
             touching.insert(pair);
         }
         all.exempt = touching.iter().map(|(a, b)| [name(*a), name(*b)]).collect();
-        all
-    }
-
-    /// Whether any bodies are watched.
-    pub(super) fn is_checked(&self) -> bool {
-        self.shapes > 0
-    }
-
-    /// What is watched, in words.
-    pub(super) fn sentence(&self) -> String {
-        let (shapes, pairs) = (self.shapes, self.watched);
-        if shapes == 0 {
-            return "not checked: the robot has no collision shapes".to_string();
+        if all.is_checked {
+            let (pairs, shapes) = (all.watched, geometry.shapes.len());
+            all.sentence =
+                format!("{pairs} pairs of bodies by {shapes} shapes; neighbours are exempt");
         }
-        format!("{pairs} pairs of bodies by {shapes} shapes; neighbours are exempt")
+        all
     }
 
     /// Two bodies that meet: of those whose boxes overlap from the ground up.
@@ -180,7 +174,7 @@ mod tests {
         let (model, geometry) = arm();
         let collisions = Collisions::new(&model, &geometry, &[0.0; 3]);
         assert_eq!(
-            collisions.sentence(),
+            collisions.sentence,
             "3 pairs of bodies by 4 shapes; neighbours are exempt"
         );
         assert!(collisions.exempt.is_empty());
@@ -218,7 +212,7 @@ mod tests {
         }
         let [few, many] = [&whole, &slices].map(|of| Collisions::new(&model, of, &[0.0; 3]));
         assert_eq!(
-            many.sentence(),
+            many.sentence,
             "3 pairs of bodies by 4000 shapes; neighbours are exempt"
         );
         let mut met = 0;

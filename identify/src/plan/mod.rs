@@ -14,10 +14,10 @@ mod collision;
 /// Without the feature `collision` no body is watched.
 #[cfg(not(feature = "collision"))]
 mod collision {
-    use crate::poses::Pose;
-
     pub(super) struct Collisions {
-        pub exempt: Vec<[String; 2]>,
+        pub(super) exempt: Vec<[String; 2]>,
+        pub(super) is_checked: bool,
+        pub(super) sentence: String,
     }
 
     impl Collisions {
@@ -26,19 +26,15 @@ mod collision {
             _: &super::shapes::Geometry,
             _: &[f64],
         ) -> Collisions {
-            Collisions { exempt: Vec::new() }
+            Collisions {
+                exempt: Vec::new(),
+                is_checked: false,
+                sentence: "not checked: built without the feature `collision`".to_string(),
+            }
         }
 
-        pub(super) fn first(&self, _: &[Pose]) -> Option<(usize, usize)> {
+        pub(super) fn first(&self, _: &[crate::poses::Pose]) -> Option<(usize, usize)> {
             None
-        }
-
-        pub(super) fn is_checked(&self) -> bool {
-            false
-        }
-
-        pub(super) fn sentence(&self) -> String {
-            "not checked: built without the feature `collision`".to_string()
         }
     }
 }
@@ -111,7 +107,20 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     }
     let geometry = Geometry::read(&request.robot.description, request.folder.as_deref());
     let prior = request.prior.covariance_factor(model);
-    let scene = scene(request, &geometry, prior.as_ref())?;
+    if prior.as_ref().is_some_and(|s| s.ncols() == 0) {
+        return Err(Error::request(
+            "the prior leaves nothing to learn: its tolerances are zero",
+        ));
+    }
+    let other = request.feet.of(&Sidecar::default(), model)?;
+    let (limits, region) = (&request.limits, &request.region);
+    let mut scene = Scene::new(model, &geometry, limits, region, request.clearance, other);
+    scene.sigmas = request.sigmas;
+    // Without a prior the first postures would teach from nothing: from what CAD usually knows.
+    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
+    if let Some(uncertainty) = prior.clone().or_else(usual) {
+        scene.uncertainty = uncertainty;
+    }
     let both = scene.both_feet.as_ref();
     if let Some(note) = both.and_then(|feet| of_many(model, &feet.other)) {
         watch.note(&note);
@@ -199,8 +208,8 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
             ordered: design::way(&q, dof, &chosen),
         },
         clearance: scene.clearance.sentence(),
-        collision: scene.collisions.sentence(),
-        collision_checked: scene.collisions.is_checked(),
+        collision: scene.collisions.sentence.clone(),
+        collision_checked: scene.collisions.is_checked,
         collision_exempt: scene.collisions.exempt.clone(),
         notes,
         corners: request.region.corners.clone(),
@@ -223,30 +232,6 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
         chosen,
         q,
     })
-}
-
-/// What postures have to respect: a robot that stands in spite of what `prior` leaves open.
-fn scene<'a>(
-    request: &'a Request,
-    geometry: &Geometry,
-    prior: Option<&DMatrix<f64>>,
-) -> Result<Scene<'a>, Error> {
-    let model = &*request.model;
-    if prior.is_some_and(|s| s.ncols() == 0) {
-        return Err(Error::request(
-            "the prior leaves nothing to learn: its tolerances are zero",
-        ));
-    }
-    let other = request.feet.of(&Sidecar::default(), model)?;
-    let (limits, region) = (&request.limits, &request.region);
-    let mut scene = Scene::new(model, geometry, limits, region, request.clearance, other);
-    scene.sigmas = request.sigmas;
-    // Without a prior the first postures would teach from nothing: from what CAD usually knows.
-    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
-    if let Some(uncertainty) = prior.cloned().or_else(usual) {
-        scene.uncertainty = uncertainty;
-    }
-    Ok(scene)
 }
 
 /// Some of the postures `q`, one after the other.
