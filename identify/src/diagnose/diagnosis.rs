@@ -26,7 +26,7 @@ use crate::Error;
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::rms;
 use crate::observations::revisits::Again;
-use crate::observations::samples::Samples;
+use crate::observations::sample_count::SampleCount;
 use crate::threads::each_long;
 use crate::watch::Watch;
 
@@ -155,7 +155,7 @@ pub(super) fn find<'m>(
         verdict,
         health: about.health.clone(),
         warnings: Vec::new(),
-        samples: Samples::default(),
+        samples: SampleCount::default(),
         motion: problem.first().data.motion_use.clone(),
         visits: problem.first().data.visits,
         closure,

@@ -7,7 +7,6 @@
 //! the χ² by which explanation j would fail, its unknowns fitted again, if i
 //! were true. From [`TOLD_APART`](super::criteria::TOLD_APART) on it tells the two apart.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use nalgebra::{DMatrix, DVector};
@@ -388,7 +387,7 @@ fn candidates(
     let (clearance, count) = (criteria::CLEARANCE_M, criteria::CANDIDATES);
     let mut scene = Scene::new(model, &geometry, &limits, &region, clearance, None);
     scene.sigmas = 2.0;
-    let (q, _) = sample(&scene, 1, count, 20 * count, |_| ControlFlow::Continue(()));
+    let (q, _) = sample(&scene, 1, count, 20 * count, |_| Ok(())).ok()?;
     (q.len() >= NEXT_POSTURES * dof).then_some(q)
 }
 

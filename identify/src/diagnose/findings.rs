@@ -16,12 +16,11 @@ use super::view::DiagnosisView;
 use crate::NextStep;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
-use crate::logs::Recording;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
 use crate::observations::revisits::Again;
-use crate::observations::samples::Samples;
+use crate::observations::sample_count::SampleCount;
 
 /// What a diagnosis comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -355,7 +354,7 @@ pub struct Diagnosis {
     /// Warnings about the logs as sentences.
     pub warnings: Vec<String>,
     /// Independent samples in the log.
-    pub samples: Samples,
+    pub samples: SampleCount,
     /// How motion of the joints counted.
     pub motion: MotionUse,
     /// Scatter between visits of a posture; none if no posture was visited again.
@@ -519,9 +518,6 @@ pub struct Report {
     /// Where it was wanted.
     #[doc(hidden)]
     pub view: Option<DiagnosisView>,
-    /// Where it was wanted.
-    #[doc(hidden)]
-    pub recording: Option<Recording>,
     /// Postures of the experiment that would tell most, if one would tell explanations apart.
     pub next: Option<NextLog>,
     /// What is to be known of the robot.

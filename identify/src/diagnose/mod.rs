@@ -20,7 +20,6 @@ mod noise;
 mod nuisance;
 mod outliers;
 mod problem;
-mod recording;
 pub mod remedy;
 mod request;
 mod samples;

@@ -3,7 +3,7 @@
 //! ```text
 //! log ─▶ postures ─▶ search ─▶ class, verdict, held-out errors ─▶ report
 //! further logs ──────────────┘                                    ├▶ model file, URDF
-//!                                                                 └▶ next postures, view, recording
+//!                                                                 └▶ next postures, view
 //! ```
 
 use super::criteria::FLOOR_M;
@@ -18,7 +18,6 @@ use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 use super::findings::{About, Explained, NextPostures, Report, Verdict};
 use super::model_file::{model_file, on_log};
 use super::problem::{Block, Problem, soles_of};
-use super::recording;
 use super::remedy::{self, Servo};
 use super::view::DiagnosisView;
 use super::{experiment, motion, noise, samples, verdict};
@@ -27,9 +26,11 @@ use crate::fit::fitted::Fitted;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::fit::{Request as FitRequest, check_result, fit, gather_as};
 use crate::health::{self, Finding, Health};
-use crate::logs::{Angles, LogSource, Options, PostureReader, Readings, Sidecar, Stays};
+use crate::logs::{
+    Angles, LogSource, Options, PostureReader, ROOM, Readings, Samples, Sidecar, Stays,
+};
 use crate::observations::motion_use::{MotionModel, MotionUse};
-use crate::observations::postures::{Postures, Taking};
+use crate::observations::postures::Postures;
 use crate::robot::Robot;
 use crate::skeleton::Skeleton;
 use crate::watch::{Recorder, Watch};
@@ -82,9 +83,6 @@ pub struct Request {
     /// Whether the rows of figures are wanted.
     #[doc(hidden)]
     pub view: bool,
-    /// Whether the postures are wanted as a recording.
-    #[doc(hidden)]
-    pub recording: bool,
 }
 
 impl Request {
@@ -111,7 +109,6 @@ impl Request {
             corrected_urdf: false,
             total_mass: None,
             view: false,
-            recording: false,
         }
     }
 }
@@ -163,64 +160,24 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     check_noise(request)?;
     let watch = &mut Recorder::new(watch);
     let robot = &request.robot;
-    let (sidecar, _) = request.log.sidecar()?;
-    let support = support_of(request)?;
-    let model = robot.model(&support, request.snapping, None)?;
+    let (samples, model) = read(request, watch)?;
+    let sidecar = &samples.sidecar.clone();
+    let support = model.support().to_string();
     let prior = masses_before(request, &model, watch)?;
-    check_healthy(request, watch)?;
+    check_healthy(request, &support, watch)?;
     let model = prior.expected(model);
-    let (log, rows, mut data) = screened(request, &model, &prior, watch)?;
+    let on = (&**robot, &model);
+    let (samples, rows) = health::screen(samples, on, request.noise, watch)?;
+    let mut data = take(request, &model, &prior, (&samples, request.motion), watch)?;
     // A few rows on another link are rather a wrong label than a stand on another foot.
     let rows_in_all = data.rows + data.elsewhere.values().sum::<u64>();
-    let again = log.can_be_read_again();
     let (elsewhere, left_out): (BTreeMap<String, u64>, _) = std::mem::take(&mut data.elsewhere)
         .into_iter()
-        .partition(|(_, rows)| again && 10 * rows >= rows_in_all);
+        .partition(|(_, rows)| 10 * rows >= rows_in_all);
     data.elsewhere = left_out;
-    warn_of_left_out(&log, &data, watch);
-    let stands = request.then.iter().map(|log| stand(request, &support, log));
-    // Rows on another foot are a log of their own.
-    let stands = stands.chain(elsewhere.keys().map(|link| {
-        let model = robot.model(link, request.snapping, None)?;
-        Ok((Experiment::OtherFoot, model))
-    }));
-    let stands = stands.map(|stand| {
-        let (experiment, own) = stand?;
-        Ok((experiment, prior.seen_from(&model, &own).expected(own)))
-    });
-    let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, Error>>()?;
-    let mut others = Vec::new();
-    let hash = |postures: &Postures| postures.summary.as_ref().map(|found| found.hash.clone());
-    let mut before = vec![(hash(&data), rows_hash(&data))];
-    if let Some(own) = &before[0].0 {
-        prior.check_other(request.log.name(), own)?;
-    }
-    for (at, (experiment, there)) in stands.iter().enumerate() {
-        let prior = prior.seen_from(&model, there);
-        let source = request.then.get(at).unwrap_or(&log);
-        let mut postures = take(request, there, &prior, (source, request.motion), watch)?;
-        let mut closure = None;
-        if at < request.then.len() {
-            let own = (hash(&postures), rows_hash(&postures));
-            let same = |other: &(Option<String>, u64)| {
-                own.1 == other.1 || own.0.is_some() && own.0 == other.0
-            };
-            if before.iter().any(same) {
-                return Err(Error::log(
-                    source.name(),
-                    None,
-                    "has the same rows as a log before it, which would count twice; give the log \
-                     of the experiment",
-                ));
-            }
-            before.push(own);
-            warn_of_left_out(source, &postures, watch);
-            let (sidecar, _) = source.sidecar()?;
-            closure = soles_of(&Feet::default(), &sidecar, there, &mut postures, watch)?;
-        }
-        let block = Block::new(there, postures, closure, &request.effects);
-        others.push((block, *experiment));
-    }
+    warn_of_left_out(&samples, &data, watch);
+    let stands = stands(request, &model, &prior, elsewhere.keys())?;
+    let others = further_blocks(request, (&model, &prior), (&samples, &data), &stands, watch)?;
     let names = [&request.log].into_iter().chain(&request.then);
     let names = names.map(LogSource::file_name).collect::<Vec<_>>();
     let names = names.join(" + ");
@@ -239,7 +196,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             usable: health.is_usable(),
             health: health.findings,
         };
-        let closure = soles_of(&request.feet, &sidecar, &model, &mut data, watch)?;
+        let closure = soles_of(&request.feet, sidecar, &model, &mut data, watch)?;
         let first = Block::new(&model, data, closure, &request.effects);
         let others = others.iter().cloned();
         let others = others.map(|(block, experiment)| block.beside(&first, experiment));
@@ -249,7 +206,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     let (mut problem, mut found, mut correlation) = explain(&data, request.motion, watch)?;
     let share = motion::said(&problem, &found.best);
     if share.used && share.share.is_some_and(|share| share.is_missing()) {
-        let standing = (&log, MotionModel::Off);
+        let standing = (&samples, MotionModel::Off);
         data = take(request, &model, &prior, standing, watch)?;
         data.motion_use = MotionUse {
             used: false,
@@ -308,11 +265,84 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             let skeleton = Skeleton::of(&model, &robot.description, meshes);
             DiagnosisView::of(&problem, &found, skeleton)
         }),
-        recording: request.recording.then(|| recording::of(&problem, &found)),
         next,
         notes: model.tree.notes.clone(),
         diagnosis: found.diagnosis,
     })
+}
+
+/// The robot as it stands in each further log, and in rows on `elsewhere` of the log at hand, which
+/// are a log of their own.
+fn stands<'a>(
+    request: &Request,
+    model: &Model,
+    prior: &Prior,
+    elsewhere: impl Iterator<Item = &'a String>,
+) -> Result<Vec<(Experiment, Model)>, Error> {
+    let further = request.then.iter();
+    let further = further.map(|log| stand(request, model.support(), log));
+    let elsewhere = elsewhere.map(|link| {
+        let model = request.robot.model(link, request.snapping, None)?;
+        Ok((Experiment::OtherFoot, model))
+    });
+    let stands = further.chain(elsewhere).map(|stand| {
+        let (experiment, own) = stand?;
+        Ok((experiment, prior.seen_from(model, &own).expected(own)))
+    });
+    stands.collect()
+}
+
+/// A block of each of `stands`, beside the log `samples` with its postures `data`.
+///
+/// # Errors
+/// What is wrong with a log; one whose rows are those of another.
+fn further_blocks<'m>(
+    request: &Request,
+    (model, prior): (&Model, &Prior),
+    (samples, data): (&Samples, &Postures),
+    stands: &'m [(Experiment, Model)],
+    watch: &mut dyn Watch,
+) -> Result<Vec<(Block<'m>, Experiment)>, Error> {
+    let hash = |postures: &Postures| postures.summary.as_ref().map(|found| found.hash.clone());
+    let mut before = vec![(hash(data), rows_hash(data))];
+    if let Some(own) = &before[0].0 {
+        prior.check_other(request.log.name(), own)?;
+    }
+    let mut room = ROOM.saturating_sub(samples.size());
+    let mut blocks = Vec::new();
+    for (at, (experiment, there)) in stands.iter().enumerate() {
+        let prior = prior.seen_from(model, there);
+        let further = request.then.get(at).map(|log| {
+            let options = reading(request, Some(there.support().to_string()));
+            Samples::read(log, &request.robot.description, &options, room, watch)
+        });
+        let further = further.transpose()?;
+        let source = further.as_ref().unwrap_or(samples);
+        let mut postures = take(request, there, &prior, (source, request.motion), watch)?;
+        let mut closure = None;
+        if let Some(source) = &further {
+            room = room.saturating_sub(source.size());
+            let own = (hash(&postures), rows_hash(&postures));
+            let same = |other: &(Option<String>, u64)| {
+                own.1 == other.1 || own.0.is_some() && own.0 == other.0
+            };
+            if before.iter().any(same) {
+                return Err(Error::log(
+                    source.log.name(),
+                    None,
+                    "has the same rows as a log before it, which would count twice; give the log \
+                     of the experiment",
+                ));
+            }
+            before.push(own);
+            warn_of_left_out(source, &postures, watch);
+            let feet = Feet::default();
+            closure = soles_of(&feet, &source.sidecar, there, &mut postures, watch)?;
+        }
+        let block = Block::new(there, postures, closure, &request.effects);
+        blocks.push((block, *experiment));
+    }
+    Ok(blocks)
 }
 
 /// What a diagnosis finds wrong with the data of its log before any hypothesis.
@@ -321,11 +351,12 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
 /// As [`diagnose`].
 pub fn look(request: &Request, watch: &mut dyn Watch) -> Result<Vec<Finding>, Error> {
     check_noise(request)?;
-    let support = support_of(request)?;
-    let model = request.robot.model(&support, request.snapping, None)?;
+    let (samples, model) = read(request, watch)?;
     let prior = masses_before(request, &model, watch)?;
     let model = prior.expected(model);
-    let (_, rows, data) = screened(request, &model, &prior, watch)?;
+    let on = (&*request.robot, &model);
+    let (samples, rows) = health::screen(samples, on, request.noise, watch)?;
+    let data = take(request, &model, &prior, (&samples, request.motion), watch)?;
     let (_, health) = examined(request, &model, (&data, request.motion));
     Ok(health.after(rows).findings)
 }
@@ -370,12 +401,11 @@ fn masses_before(request: &Request, model: &Model, watch: &mut dyn Watch) -> Res
 
 /// The link on the ground in another log: as it says itself, else that of the log at hand.
 fn support_of_log(request: &Request, log: &LogSource, support: &str) -> String {
-    let own = Request {
-        log: log.clone(),
-        support: None,
-        ..request.clone()
-    };
-    support_of(&own).unwrap_or_else(|_| support.to_string())
+    let options = reading(request, None);
+    let first = PostureReader::of_robot(log, &request.robot.description, &options);
+    let first = first.and_then(PostureReader::first_support).ok().flatten();
+    let first = first.filter(|link| !link.is_empty());
+    first.map_or_else(|| support.to_string(), |link| link.to_string())
 }
 
 /// How far the masses of a healthy robot may be off: held tight, they would leave nothing to learn.
@@ -388,9 +418,9 @@ fn prior_of_healthy(request: &Request) -> PriorChoice {
 
 /// Warn of a log of the healthy robot that shows an effect by itself: what it shares with the other
 /// log is not found by comparing the two.
-fn check_healthy(request: &Request, watch: &mut dyn Watch) -> Result<(), Error> {
+fn check_healthy(request: &Request, support: &str, watch: &mut dyn Watch) -> Result<(), Error> {
     for log in &request.healthy {
-        let support = support_of_log(request, log, &support_of(request)?);
+        let support = support_of_log(request, log, support);
         let own = Request {
             log: log.clone(),
             support: Some(support),
@@ -401,7 +431,6 @@ fn check_healthy(request: &Request, watch: &mut dyn Watch) -> Result<(), Error> 
             next_file: None,
             corrected_urdf: false,
             view: false,
-            recording: false,
             ..request.clone()
         };
         let found = diagnose(&own, watch)?.diagnosis;
@@ -423,18 +452,24 @@ fn check_healthy(request: &Request, watch: &mut dyn Watch) -> Result<(), Error> 
     Ok(())
 }
 
-/// The link on the ground: as was asked, else as the sidecar says, else that of the first row.
-fn support_of(request: &Request) -> Result<String, Error> {
+/// The log, and the robot on the link on the ground: as was asked, else as the sidecar says, else
+/// that of the first row.
+fn read(request: &Request, watch: &mut dyn Watch) -> Result<(Samples, Model), Error> {
     let (robot, log) = (&request.robot, &request.log);
     let (sidecar, odd) = log.sidecar()?;
-    let mut support = request.support.clone().or(sidecar.support);
-    if support.is_none() && log.can_be_read_again() {
-        let options = reading(request, None);
-        let reader = PostureReader::of_robot(log, &robot.description, &options)?;
-        support = reader.first_support()?.map(|link| link.to_string());
-    }
-    let support = support.filter(|link| !link.is_empty());
-    support.ok_or_else(|| robot.no_support(&odd))
+    let model = |support: &str| robot.model(support, request.snapping, None);
+    let named = request.support.as_ref().or(sidecar.support.as_ref());
+    let known = named.map(|support| model(support)).transpose()?;
+    let options = reading(request, named.cloned());
+    let samples = Samples::read(log, &robot.description, &options, ROOM, watch)?;
+    let model = match known {
+        Some(known) => known,
+        None => {
+            let first = samples.first_support()?.filter(|link| !link.is_empty());
+            model(&first.ok_or_else(|| robot.no_support(&odd))?)?
+        }
+    };
+    Ok((samples, model))
 }
 
 /// What is wrong with postures, and these compared with the ZMP where that alone shows a stuck
@@ -458,19 +493,6 @@ fn examined(
     (data.clone(), health)
 }
 
-/// The log without rows that cannot be used, what is wrong with these, and its postures.
-fn screened(
-    request: &Request,
-    model: &Model,
-    prior: &Prior,
-    watch: &mut dyn Watch,
-) -> Result<(LogSource, Vec<Finding>, Postures), Error> {
-    let (options, on) = (options(request, model), (&*request.robot, model));
-    let (log, rows) = health::screen(&request.log, on, &options, request.noise, watch)?;
-    let data = take(request, model, prior, (&log, request.motion), watch)?;
-    Ok((log, rows, data))
-}
-
 fn check_noise(request: &Request) -> Result<(), Error> {
     let of = |setting: Setting, value: f64, least: f64| match (least..=1.0).contains(&value) {
         true => Ok(()),
@@ -481,11 +503,6 @@ fn check_noise(request: &Request) -> Result<(), Error> {
     };
     of(Setting::Noise, request.noise.unwrap_or(1.0), 1e-9)?;
     of(Setting::Floor, request.floor, 0.0)
-}
-
-/// How a log on the model's support is read.
-fn options(request: &Request, model: &Model) -> Options {
-    reading(request, Some(model.support().to_string()))
 }
 
 /// How a log is read whose rows stand on `support` where they do not say.
@@ -509,15 +526,10 @@ fn take(
     request: &Request,
     model: &Model,
     prior: &Prior,
-    (log, motion): (&LogSource, MotionModel),
+    (samples, motion): (&Samples, MotionModel),
     watch: &mut dyn Watch,
 ) -> Result<Postures, Error> {
-    let taking = Taking {
-        options: options(request, model),
-        noise: request.noise,
-        floor: request.floor,
-    };
-    let mut data = Postures::read(log, model, &taking, watch)?;
+    let mut data = Postures::read(samples, model, (request.noise, request.floor), watch)?;
     motion::account(&mut data, model, prior, motion);
     data.warnings
         .iter()
@@ -526,11 +538,11 @@ fn take(
 }
 
 /// Warn of rows that stand on another link where they are no log of their own.
-fn warn_of_left_out(log: &LogSource, postures: &Postures, watch: &mut dyn Watch) {
+fn warn_of_left_out(samples: &Samples, postures: &Postures, watch: &mut dyn Watch) {
     for (link, rows) in &postures.elsewhere {
         let warning = format!(
             "{}: {rows} rows stand on `{link}` and are left out; give them as a file of their own",
-            log.name()
+            samples.log.name()
         );
         watch.warning(&warning.into());
     }

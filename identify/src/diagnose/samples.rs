@@ -15,7 +15,7 @@ use super::problem::{Block, Fit, OnBlock, Problem};
 use crate::Error;
 use crate::observations::correlation::{Correlation, step};
 use crate::observations::noise::NoiseSource;
-use crate::observations::samples::{Samples, Sum};
+use crate::observations::sample_count::{SampleCount, Sum};
 use crate::watch::Watch;
 
 /// Rounds in which the number of independent readings and the explanation settle.
@@ -142,7 +142,7 @@ fn noise_factors(block: &Block, now: [f64; 2], correlation: &[Correlation; 2]) -
 }
 
 /// Samples of all logs.
-pub(super) fn of_logs(problem: &Problem, correlation: &[[Correlation; 2]]) -> Samples {
+pub(super) fn of_logs(problem: &Problem, correlation: &[[Correlation; 2]]) -> SampleCount {
     let mut sum = Sum::default();
     let mut rows = 0;
     for (block, correlation) in problem.blocks.iter().zip(correlation) {

@@ -284,8 +284,7 @@ impl Soles for Places {
         let model = self.model(from)?;
         let link = model.tree.links.iter().position(|link| link.name == of)?;
         let (body, place) = poses::of_link(&model, link)?;
-        let mut bodies = Vec::new();
-        poses::bodies(&model, q, &mut bodies);
+        let bodies = poses::bodies(&model.chain.bodies, q);
         let sole = bodies.get(body)?.then(&place);
         let point = sole.point(&Vector3::new(at[0], at[1], 0.0));
         Some([point.x, point.y])
@@ -311,11 +310,9 @@ pub(crate) fn tell_contacts(data: &mut Postures, model: &Model, other: &OtherFoo
         return;
     };
     let (layout, dof) = (PostureContext::of(model), model.dof());
-    let mut bodies = Vec::new();
     // s T p₂
-    let mut placed = |q: &[f64], [share, x, y]: [f64; 3]| {
-        poses::bodies(model, q, &mut bodies);
-        let sole = bodies[body].then(&place);
+    let placed = |q: &[f64], [share, x, y]: [f64; 3]| {
+        let sole = poses::bodies(&model.chain.bodies, q)[body].then(&place);
         sole.origin * share + sole.rotation * Vector3::new(x, y, 0.0)
     };
     let contexts = data.posture_context.chunks_exact_mut(layout.len());

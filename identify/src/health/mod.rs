@@ -36,7 +36,7 @@ use sesc_model::{Function, Model, Snapping};
 
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::logs::{Block, LogSource, Options, Screen, Screening};
+use crate::logs::{Block, LogSource, Options, ROOM, Samples, Screen, Screening};
 use crate::observations::postures::Postures;
 use crate::observations::rows::CopRows;
 use crate::robot::Robot;
@@ -122,13 +122,8 @@ pub fn of_log(
         any_unit: true,
         ..Options::default()
     };
-    let reading = Reading {
-        options: &options,
-        snapping,
-        noise: None,
-        alone: true,
-    };
-    Ok(look(log, robot, &model, reading, watch)?.1)
+    let samples = Samples::read(log, &robot.description, &options, ROOM, watch)?;
+    Ok(look(samples, (robot, &model), (snapping, None, true), watch)?.1)
 }
 
 /// Examine the postures of a log of `model`.
@@ -322,40 +317,24 @@ impl<'a> Look<'a> {
     }
 }
 
-/// How a log of a fit is read.
-#[derive(Debug, Clone, Copy)]
-pub struct Reading<'a> {
-    /// Units, links, support.
-    pub options: &'a Options,
-    /// How decimals of right angles are read.
-    pub snapping: Snapping,
-    /// Standard deviation of a single reading, m, where the user says.
-    pub noise: Option<f64>,
-    /// Whether no other log is fitted with it: rows may be told deviations then.
-    pub alone: bool,
-}
-
-/// What is wrong with a log on the model's support, and the log without it.
+/// Examine a log of a fit on the model's support: the log without what is wrong with it. `noise` is
+/// that of a single reading, m, where the user says; `alone` whether no other log is fitted with
+/// it, so that its rows may be given deviations.
 ///
 /// # Errors
 /// What is wrong with the log; when `watch` stops it.
-pub fn look(
-    log: &LogSource,
-    robot: &Robot,
-    model: &Model,
-    reading: Reading,
+pub(crate) fn look(
+    samples: Samples,
+    (robot, model): (&Robot, &Model),
+    (snapping, noise, alone): (Snapping, Option<f64>, bool),
     watch: &mut dyn Watch,
-) -> Result<(LogSource, Vec<Finding>), Error> {
-    let log = log.clone();
-    if !log.can_be_read_again() {
-        return Ok((log, Vec::new()));
-    }
+) -> Result<(Samples, Vec<Finding>), Error> {
     let on = On {
         robot,
         model,
-        snapping: reading.snapping,
+        snapping,
     };
-    let rows = LogRows::read(&log, (robot, model), reading.options, reading.noise, watch)?;
+    let rows = LogRows::read(&samples, (robot, model), noise, watch)?;
     let (left_out, findings) = judge_rows(&rows, on);
     // At most 2000 postures.
     let stride = rows.len().div_ceil(2000).max(1);
@@ -364,14 +343,14 @@ pub fn look(
     };
     let chosen: Vec<usize> = (0..rows.len()).filter(kept).step_by(stride).collect();
     if chosen.is_empty() {
-        return Ok((log, findings));
+        return Ok((samples, findings));
     }
     let noise = rows.noise.unwrap_or(UNKNOWN_NOISE_M);
     let (read, still) = rows.views(&chosen, model);
     let found = Views::of(on, &read, still.as_ref()).examine(true);
     let Health { findings, stuck } = found.after(findings);
     let Some(Stuck { joint, .. }) = stuck else {
-        return Ok((screened(log, left_out), findings));
+        return Ok((screened(samples, left_out), findings));
     };
     let screen = LessKnown {
         left_out,
@@ -379,37 +358,30 @@ pub fn look(
         joint,
         dof: rows.dof,
         anywhere: of_joint(&model.tree.dofs[joint], ANYWHERE),
-        noise: reading.alone.then_some(noise),
+        noise: alone.then_some(noise),
     };
-    Ok((log.screened(Arc::new(screen)), findings))
+    Ok((samples.screened(Arc::new(screen)), findings))
 }
 
-/// Look at the rows of a log on the model's support: what is wrong with them, and the log
-/// without those that cannot be used. `noise`: of a single reading, m, where the user says.
+/// Examine the rows of a log on the model's support: the log without those that cannot be used.
+/// `noise`: of a single reading, m, where the user says.
 ///
 /// # Errors
 /// What is wrong with the log; when `watch` stops it.
-pub fn screen(
-    log: &LogSource,
+pub(crate) fn screen(
+    samples: Samples,
     (robot, model): (&Robot, &Model),
-    options: &Options,
     noise: Option<f64>,
     watch: &mut dyn Watch,
-) -> Result<(LogSource, Vec<Finding>), Error> {
-    let log = log.clone();
-    if !log.can_be_read_again() {
-        return Ok((log, Vec::new()));
-    }
-    let log = log.unchanged()?;
-    let rows = LogRows::read(&log, (robot, model), options, noise, watch)?;
-    let snapping = Snapping::default();
+) -> Result<(Samples, Vec<Finding>), Error> {
+    let rows = LogRows::read(&samples, (robot, model), noise, watch)?;
     let on = On {
         robot,
         model,
-        snapping,
+        snapping: Snapping::default(),
     };
     let (left_out, findings) = judge_rows(&rows, on);
-    Ok((screened(log, left_out), findings))
+    Ok((screened(samples, left_out), findings))
 }
 
 /// What is wrong with rows, by themselves and beside what CAD says, and what to leave out.
@@ -420,11 +392,11 @@ fn judge_rows(rows: &LogRows, on: On) -> (LeftOut, Vec<Finding>) {
 }
 
 /// A log without the rows that are to be left out.
-fn screened(log: LogSource, left_out: LeftOut) -> LogSource {
+fn screened(samples: Samples, left_out: LeftOut) -> Samples {
     if left_out == LeftOut::default() {
-        return log;
+        return samples;
     }
-    log.screened(Arc::new(left_out))
+    samples.screened(Arc::new(left_out))
 }
 
 /// Rows that are left out, and the others count for less along the motion of one joint.

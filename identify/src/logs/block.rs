@@ -8,6 +8,7 @@
 //! T places the other sole in the support frame; the robot knows it, a log does not.
 
 use std::fmt::Debug;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Some rows of a log, column by column; every column has one entry per row.
@@ -126,10 +127,37 @@ impl Block {
         }
     }
 
+    /// Some of the rows.
+    pub(super) fn part(&self, rows: Range<usize>) -> Block {
+        let width = self.q.len() / self.len().max(1);
+        let values = |width: usize| rows.start * width..rows.end * width;
+        Block {
+            line: self.line[rows.clone()].to_vec(),
+            pose: self.pose[rows.clone()].to_vec(),
+            t: some(&self.t, &rows),
+            support: some(&self.support, &rows),
+            q: self.q[values(width)].to_vec(),
+            reading: some(&self.reading, &rows),
+            std: some(&self.std, &rows),
+            cells: self.cells.as_ref().map(|cells| Cells {
+                count: cells.count,
+                force: cells.force[values(cells.count)].to_vec(),
+                std: some(&cells.std, &values(cells.count)),
+            }),
+            load: some(&self.load, &rows),
+            gravity: some(&self.gravity, &rows),
+            other: some(&self.other, &rows),
+        }
+    }
+
     /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.line.is_empty()
     }
+}
+
+fn some<T: Clone>(all: &Option<Vec<T>>, rows: &Range<usize>) -> Option<Vec<T>> {
+    all.as_ref().map(|all| all[rows.clone()].to_vec())
 }
 
 fn join<T>(own: &mut Option<Vec<T>>, other: Option<Vec<T>>) {

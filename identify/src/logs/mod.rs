@@ -6,7 +6,7 @@
 //!
 //! settings, columns, names   what options, a sidecar and names of columns say of a log
 //! bounds, suspect            what a value can be; what a whole log looks like it got wrong
-//! writer                     logs, predictions and recordings
+//! writer                     logs and predictions
 //! ```
 //!
 //! [`PostureReader`] gives a log of any [`LogSource`] in blocks of columns, so that a
@@ -29,6 +29,7 @@ pub(crate) mod names;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod reader;
+mod samples;
 mod settings;
 mod source;
 mod stillness;
@@ -52,6 +53,7 @@ pub use input::LogSource;
 pub use input::{Screen, Screening};
 pub(crate) use reader::joints;
 pub use reader::{PostureReader, Summary, column_names};
+pub(crate) use samples::{ROOM, Rows, Samples};
 #[doc(hidden)]
 pub use settings::KEYS as SIDECAR_KEYS;
 pub use settings::{Angles, Options, Readings, Sidecar, Stays, StillnessLimits};
@@ -59,5 +61,3 @@ pub use settings::{Angles, Options, Readings, Sidecar, Stays, StillnessLimits};
 pub use source::panic_becomes_error;
 pub use table::{Table, Values};
 pub use writer::{PREDICTED, PostureWriter, PredictionWriter};
-#[doc(hidden)]
-pub use writer::{Recording, Track, TrackKind};

@@ -65,8 +65,6 @@ pub struct PostureReader {
     settling: Option<Settling>,
     stays: Stays,
     file: String,
-    /// Joints of a row.
-    pub(crate) dof: usize,
     /// The file, where it is a regular one, and its stamp before anything was read.
     watched: Option<(std::fs::File, Stamp)>,
     screen: Option<Screening>,
@@ -186,7 +184,6 @@ impl PostureReader {
             settling,
             stays: options.stays,
             file,
-            dof: dofs.len(),
             watched,
             screen: log.screen.as_ref().map(|screen| screen.start()),
             standing,

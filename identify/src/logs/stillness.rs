@@ -19,7 +19,7 @@ use super::settings::StillnessLimits;
 
 /// Readings of one posture that are given out together; a longer posture is
 /// given out in parts, each with its own mean of the joints.
-const MOST: usize = 65_536;
+pub(super) const MOST: usize = 65_536;
 
 /// A posture, or a part of a long one.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,8 +52,6 @@ struct Current<R> {
     readings: Vec<R>,
     /// Readings before the last state in which the robot was seen to hold still.
     confirmed: usize,
-    /// It is a posture however short it is held, and all its readings count.
-    whole: bool,
 }
 
 impl<R> StillnessCutter<R> {
@@ -82,16 +80,7 @@ impl<R> StillnessCutter<R> {
             }
         }
         let ended = self.end();
-        self.now = (slow && t.is_finite()).then(|| Current::begun(self.next_pose, t, q, false));
-        ended
-    }
-
-    /// All joints at time `t` (s), as a posture of its own, of which every reading up to the next one
-    /// is; gives back the posture that ended.
-    #[cfg(any(test, feature = "mcap"))]
-    pub fn posture(&mut self, t: f64, q: &[f64]) -> Option<Posture<R>> {
-        let ended = self.end();
-        self.now = Some(Current::begun(self.next_pose, t, q, true));
+        self.now = (slow && t.is_finite()).then(|| Current::begun(self.next_pose, t, q));
         ended
     }
 
@@ -115,9 +104,6 @@ impl<R> StillnessCutter<R> {
     pub fn reading(&mut self, reading: R) -> Option<Posture<R>> {
         let now = self.now.as_mut()?;
         now.readings.push(reading);
-        if now.whole {
-            now.confirmed = now.readings.len();
-        }
         if now.readings.len() < MOST {
             return None;
         }
@@ -142,7 +128,7 @@ impl<R> StillnessCutter<R> {
 }
 
 impl<R> Current<R> {
-    fn begun(pose: i64, t: f64, q: &[f64], whole: bool) -> Current<R> {
+    fn begun(pose: i64, t: f64, q: &[f64]) -> Current<R> {
         let mut now = Current {
             pose,
             start: t,
@@ -153,7 +139,6 @@ impl<R> Current<R> {
             reference_t: t,
             readings: Vec::new(),
             confirmed: 0,
-            whole,
         };
         now.see(t, q);
         now
@@ -161,7 +146,7 @@ impl<R> Current<R> {
 
     /// Whether it was held for so long that it is a posture.
     fn is_held(&self, stillness: StillnessLimits) -> bool {
-        self.whole || self.last - self.start >= stillness.duration
+        self.last - self.start >= stillness.duration
     }
 
     fn see(&mut self, t: f64, q: &[f64]) {
@@ -348,19 +333,6 @@ mod tests {
         let slow = postures(|t| 0.01 * t, 0.0);
         assert_eq!(slow.len(), 1, "slower than the threshold");
         assert_eq!(postures(|_| 0.0, 0.03), [], "the message says it moves");
-    }
-
-    #[test]
-    fn a_posture_of_its_own_is_one_however_short_and_alike_it_is() {
-        let mut cutter = StillnessCutter::new(StillnessLimits::default());
-        let mut found = Vec::new();
-        for k in 0..3 {
-            found.extend(cutter.posture(0.01 * f64::from(k), &[0.5]));
-            found.extend(cutter.reading(k));
-        }
-        found.extend(cutter.end());
-        let said: Vec<_> = found.into_iter().map(|p| (p.pose, p.readings)).collect();
-        assert_eq!(said, [(0, vec![0]), (1, vec![1]), (2, vec![2])]);
     }
 
     #[test]

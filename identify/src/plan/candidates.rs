@@ -14,9 +14,6 @@
 //!
 //! Where too few are found, the message has the numbers and what would help.
 
-use std::borrow::Cow;
-use std::ops::ControlFlow;
-
 use nalgebra::{DMatrix, Matrix2, Vector2};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -24,11 +21,12 @@ use serde::Serialize;
 use sesc_model::Function;
 
 use super::Request;
-use super::limits::{is_stuck, stride};
+use super::limits::move_by;
+use super::region::Region;
 use super::scene::Scene;
 use crate::evaluate::Evaluator;
-use crate::poses::{self, Pose};
-use crate::{Message, Setting, message};
+use crate::poses;
+use crate::{Error, Message, Setting, message};
 
 /// Close enough to the target, m.
 const NEAR: f64 = 1e-5;
@@ -49,9 +47,6 @@ pub struct Counts {
     pub clear: usize,
     /// Of these, free of self-collision.
     pub collision_free: usize,
-    /// The best CoP among draws that do not balance: how far it is out, m.
-    #[serde(skip)]
-    pub nearest_miss: Option<f64>,
     /// How far each of the first draws is out, m, until one balances.
     #[serde(skip)]
     pub(crate) misses: Vec<f64>,
@@ -64,17 +59,20 @@ pub struct Counts {
 
 /// Up to `wanted` postures that respect `scene`, from at most `draws` draws, one after the other,
 /// and what became of the draws; the same seed draws the same. Gives up where the first 10,000
-/// bring none, and where `progress` says so.
+/// bring none.
+///
+/// # Errors
+/// That of `progress`, which hears how many are found.
 pub fn sample(
     scene: &Scene,
     seed: u64,
     wanted: usize,
     draws: usize,
-    mut progress: impl FnMut(usize) -> ControlFlow<()>,
-) -> (Vec<f64>, Counts) {
+    mut progress: impl FnMut(usize) -> Result<(), Error>,
+) -> Result<(Vec<f64>, Counts), Error> {
     let model = scene.model;
     let mut sampler = Sampler {
-        com: Evaluator::new(model, Function::Cop),
+        cop: Evaluator::new(model, Function::Cop),
         jacobian: Evaluator::new(model, Function::ComJacobian),
         regressor: Evaluator::new(model, Function::RegressorCop),
         rng: ChaCha8Rng::seed_from_u64(seed),
@@ -86,12 +84,13 @@ pub fn sample(
     };
     let dof = model.dof();
     let mut found = Vec::new();
-    let goes_on = |found: &[f64], drawn: usize| {
-        found.len() < wanted * dof && drawn < draws && !(found.is_empty() && drawn >= 10_000)
-    };
-    while goes_on(&found, sampler.counts.drawn) {
+    loop {
+        let drawn = sampler.counts.drawn;
+        if found.len() >= wanted * dof || drawn >= draws || found.is_empty() && drawn >= 10_000 {
+            break;
+        }
         // Worked on together.
-        let n = 256.min(draws - sampler.counts.drawn);
+        let n = 256.min(draws - drawn);
         for q in sampler.block(n) {
             // Counts stop with the last candidate taken.
             if found.len() == wanted * dof {
@@ -102,18 +101,16 @@ pub fn sample(
                 found.extend_from_slice(&q.q);
             }
         }
-        if progress(found.len() / dof).is_break() {
-            break;
-        }
+        progress(found.len() / dof)?;
     }
     sampler.counts.cop_std /= sampler.counts.drawn.max(1) as f64;
-    (found, sampler.counts)
+    Ok((found, sampler.counts))
 }
 
 /// Draws candidates until there are enough.
 struct Sampler<'a> {
     scene: &'a Scene<'a>,
-    com: Evaluator,
+    cop: Evaluator,
     jacobian: Evaluator,
     regressor: Evaluator,
     rng: ChaCha8Rng,
@@ -126,16 +123,13 @@ impl Sampler<'_> {
     fn stands(&mut self, drawn: &Drawn) -> bool {
         self.counts.cop_std += drawn.std;
         if drawn.violation > 0.0 {
-            let nearest = self.counts.nearest_miss.get_or_insert(f64::INFINITY);
-            *nearest = nearest.min(drawn.violation);
             if self.counts.balanced == 0 {
                 self.counts.misses.push(drawn.violation);
             }
             return false;
         }
         self.counts.balanced += 1;
-        let mut bodies: Vec<Pose> = Vec::new();
-        poses::bodies(self.scene.model, &drawn.q, &mut bodies);
+        let bodies = poses::bodies(&self.scene.model.chain.bodies, &drawn.q);
         match self.scene.clearance.lowest(&bodies) {
             Some((height, link)) if height < self.scene.clearance.height => {
                 self.counts.low[link] += 1;
@@ -173,34 +167,31 @@ impl Sampler<'_> {
     }
 
     fn draw(&mut self) -> Drawn {
-        let rest = self.scene.limits.rest();
         let rng = &mut self.rng;
+        let mut within = |(low, high): (f64, f64)| low + (high - low) * rng.random::<f64>();
         // At least a fifth of the limits from rest.
-        let spread = 1.0 - (1.0 - 0.2) * rng.random::<f64>();
-        let ranges = self.scene.limits.ranges.iter().zip(&rest);
+        let spread = within((1.0, 0.2));
+        let ranges = self
+            .scene
+            .limits
+            .ranges
+            .iter()
+            .zip(self.scene.limits.rest());
         let q = ranges
-            .map(|(&(lower, upper), rest)| {
-                let uniform = lower + (upper - lower) * rng.random::<f64>();
-                (rest + spread * (uniform - rest)).clamp(lower, upper)
-            })
+            .map(|(&range, rest)| (rest + spread * (within(range) - rest)).clamp(range.0, range.1))
             .collect();
         let region = self.scene.region;
         let bounds = region.bounds();
-        let mut target = region.centre();
-        for _ in 0..100 {
-            let at = bounds.map(|(low, high)| low + (high - low) * rng.random::<f64>());
-            if region.violation(at.into(), &Matrix2::zeros(), 0.0) <= 0.0 {
-                target = at.into();
-                break;
-            }
-        }
-        // From one sole to the other.
-        let both = self.scene.both_feet.as_ref();
-        let share = both.map_or(0.0, |_| self.rng.random::<f64>());
+        let mut points = (0..100).map(|_| Vector2::from(bounds.map(&mut within)));
+        let target = points.find(|at| region.violation(*at, &Matrix2::zeros(), 0.0) <= 0.0);
         Drawn {
             q,
-            target,
-            share,
+            target: target.unwrap_or_else(|| region.centre()),
+            // From one sole to the other.
+            share: match self.scene.both_feet {
+                Some(_) => within((0.0, 1.0)),
+                None => 0.0,
+            },
             on_floor: true,
             violation: f64::INFINITY,
             std: 0.0,
@@ -212,8 +203,9 @@ impl Sampler<'_> {
         let dof = self.scene.model.dof();
         let q = open.iter().flat_map(|&k| &draws[k].q);
         let q: Vec<f64> = q.copied().collect();
-        let cop = self.com.run(&q, open.len());
+        let cop = self.cop.run(&q, open.len());
         let jacobian = self.jacobian.run(&q, open.len());
+        let ranges = &self.scene.limits.ranges;
         let mut still = Vec::with_capacity(open.len());
         for (i, k) in open.into_iter().enumerate() {
             let drawn = &mut draws[k];
@@ -221,12 +213,13 @@ impl Sampler<'_> {
             let j = &jacobian[3 * dof * i..][..2 * dof];
             if let Some(feet) = &self.scene.both_feet {
                 let miss = miss + drawn.share * feet.at(&drawn.q);
-                let off = feet.step(&mut drawn.q, miss, j, &self.scene.limits.ranges);
+                let off = feet.step(&mut drawn.q, miss, j, ranges);
                 if miss.norm().max(off) > NEAR {
                     still.push(k);
                 }
             } else if miss.norm() > NEAR {
-                drawn.move_by(miss, j, &self.scene.limits.ranges);
+                let (x, y) = j.split_at(dof);
+                move_by(&mut drawn.q, miss.into(), [x, y], 1e-6, ranges);
                 still.push(k);
             }
         }
@@ -238,7 +231,7 @@ impl Sampler<'_> {
         let q = draws.iter().flat_map(|drawn| &drawn.q);
         let q: Vec<f64> = q.copied().collect();
         let n = draws.len();
-        let cop = self.com.run(&q, n);
+        let cop = self.cop.run(&q, n);
         let p = self.scene.uncertainty.nrows();
         // As columns, φᵀ of one posture after the other.
         let rows = DMatrix::from_vec(p, 2 * n, self.regressor.run(&q, n));
@@ -248,16 +241,14 @@ impl Sampler<'_> {
             let covariance = Matrix2::new(x.dot(&x), x.dot(&y), x.dot(&y), y.dot(&y));
             let cop = Vector2::new(cop[2 * k], cop[2 * k + 1]);
             let own = self.scene.region;
-            let region = match &self.scene.both_feet {
-                None => Some(Cow::Borrowed(own)),
-                Some(feet) if drawn.on_floor => feet.region(own, &drawn.q).map(Cow::Owned),
-                Some(_) => None,
+            let beyond = |region: &Region| region.violation(cop, &covariance, self.scene.sigmas);
+            let violation = match &self.scene.both_feet {
+                None => Some(beyond(own)),
+                Some(_) if !drawn.on_floor => None,
+                Some(feet) => feet.region(own, &drawn.q).as_ref().map(beyond),
             };
-            let violation = region.map_or(f64::INFINITY, |region| {
-                region.violation(cop, &covariance, self.scene.sigmas)
-            });
             // What is not a number does not balance.
-            let finite = Some(violation).filter(|x| *x <= f64::MAX);
+            let finite = violation.filter(|x| *x <= f64::MAX);
             drawn.violation = finite.unwrap_or(f64::INFINITY);
             drawn.std = (covariance.trace() / 2.0).sqrt();
         }
@@ -277,41 +268,6 @@ struct Drawn {
     std: f64,
 }
 
-impl Drawn {
-    /// Least motion, in parts of the ranges, that moves the CoP by `miss`.
-    fn move_by(&mut self, miss: Vector2<f64>, jacobian: &[f64], ranges: &[(f64, f64)]) {
-        let dof = self.q.len();
-        let (x, y) = jacobian.split_at(dof);
-        let mut free: Vec<bool> = ranges.iter().map(|(lower, upper)| upper > lower).collect();
-        let mut steps = vec![0.0; dof];
-        // Joints at a limit that would go further stay; the others do their part.
-        for _ in 0..2 {
-            let mut gram = Matrix2::zeros();
-            for j in (0..dof).filter(|&j| free[j]) {
-                let weight = (ranges[j].1 - ranges[j].0).powi(2);
-                let column = Vector2::new(x[j], y[j]);
-                gram += column * column.transpose() * weight;
-            }
-            // A little damping where no joint moves the CoP.
-            let damping = 1e-6 * gram.trace() + f64::MIN_POSITIVE;
-            let Some(inverse) = (gram + Matrix2::identity() * damping).try_inverse() else {
-                return;
-            };
-            let pull = inverse * miss;
-            for j in 0..dof {
-                let (lower, upper) = ranges[j];
-                let step = (upper - lower).powi(2) * (x[j] * pull.x + y[j] * pull.y);
-                let moves = free[j] && step.is_finite();
-                steps[j] = if moves { step } else { 0.0 };
-            }
-            for j in 0..dof {
-                free[j] &= !is_stuck(self.q[j], steps[j], ranges[j]);
-            }
-        }
-        stride(&mut self.q, &steps, ranges);
-    }
-}
-
 /// What became of the draws, and which demand to relax.
 pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Message {
     let tree = &scene.model.tree;
@@ -322,18 +278,17 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
         collision_free,
         ..
     } = counts;
-    let support = &tree.links[tree.support].name;
+    let support = scene.model.support();
+    let wide_enough = wide_enough(request, counts);
     let numbers = format!(
         "of {drawn} postures drawn, {balanced} balance on `{support}`, {clear} of them keep clear of \
          the ground, {collision_free} of these of themselves; {} are wanted",
         request.poses
     );
     let remedy = if *balanced < request.poses.max(drawn / 1000) {
-        let miss = match counts.nearest_miss {
-            Some(miss) if miss.is_finite() && *balanced == 0 => {
-                format!(", the best one misses by {:.1} mm", 1e3 * miss)
-            }
-            _ => String::new(),
+        let miss = match wide_enough.map(|(miss, _)| miss) {
+            Some(miss) => format!(", the best one misses by {:.1} mm", 1e3 * miss),
+            None => String::new(),
         };
         let strict = format!(
             "the CoP must stay within {}, by {} standard deviations ({:.1} mm each on average){miss}",
@@ -341,7 +296,7 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
             request.sigmas,
             1e3 * counts.cop_std,
         );
-        let enough = wide_enough(request, counts).map_or_else(String::new, |half| {
+        let enough = wide_enough.map_or_else(String::new, |(_, half)| {
             format!(" ({half} lets a tenth of them balance, where the foot is so large)")
         });
         message![
@@ -387,18 +342,19 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
     remedy.after(&format!("{numbers}\n  "))
 }
 
-/// Half the side of a square that lets a tenth of the draws balance, whole cm in m; none where
-/// some balance, or where both feet carry.
-fn wide_enough(request: &Request, counts: &Counts) -> Option<f64> {
-    let mut misses = counts.misses.clone();
-    misses.retain(|miss| miss.is_finite());
-    if counts.balanced > 0 || misses.is_empty() {
-        return None;
-    }
+/// How far the best draw is out, and half the side of a square that lets a tenth of the draws
+/// balance, whole cm in m; none where some balance, or where both feet carry.
+fn wide_enough(request: &Request, counts: &Counts) -> Option<(f64, f64)> {
+    let finite = counts
+        .misses
+        .iter()
+        .copied()
+        .filter(|miss| miss.is_finite());
+    let mut misses: Vec<f64> = finite.collect();
     misses.sort_by(f64::total_cmp);
-    let miss = misses[misses.len() / 10];
+    let nearest = misses.first().filter(|_| counts.balanced == 0)?;
     let ends = request.region.bounds();
     let half = ends.iter().flat_map(|(low, high)| [low.abs(), high.abs()]);
-    let half = half.fold(0.0, f64::max) + miss;
-    Some((1e2 * half).ceil() / 1e2)
+    let half = half.fold(0.0, f64::max) + misses[misses.len() / 10];
+    Some((*nearest, (1e2 * half).ceil() / 1e2))
 }

@@ -220,8 +220,8 @@ impl Region {
 /// None of a link without inertia, or with one that no link of this robot has: beyond the height
 /// of its CoM.
 fn of_inertia(model: &Model, description: &Description) -> Option<f64> {
-    let on_ground = model.tree.links.iter().enumerate().filter_map(|(k, link)| {
-        let (_, place) = poses::of_link(model, k).filter(|(body, _)| *body == 0)?;
+    let on_ground = poses::links(model).filter(|(_, _, body, _)| *body == 0);
+    let on_ground = on_ground.filter_map(|(_, link, _, place)| {
         let own = description.links.iter().find(|own| own.name == link.name)?;
         Some((place, own.inertial))
     });
@@ -264,16 +264,11 @@ fn unknown(model: &Model) -> Error {
 
 /// Counter-clockwise, in the support frame, m.
 pub(crate) fn outline(model: &Model, geometry: &Geometry) -> Vec<[f64; 2]> {
-    let mut points: Vec<Vector3<f64>> = Vec::new();
-    for (k, link) in model.tree.links.iter().enumerate() {
-        let Some((0, place)) = poses::of_link(model, k) else {
-            continue;
-        };
-        for shape in geometry.shapes.iter().filter(|s| s.link == link.name) {
-            let pose = place.then(&shape.pose);
-            points.extend(corners(&shape.solid).iter().map(|p| pose.point(p)));
-        }
-    }
+    let on_ground = poses::links(model).filter(|(_, _, body, _)| *body == 0);
+    let solids = on_ground.flat_map(|(_, link, _, place)| geometry.on(&link.name, place));
+    let points =
+        solids.flat_map(|(pose, solid)| corners(&solid).into_iter().map(move |p| pose.point(&p)));
+    let points: Vec<Vector3<f64>> = points.collect();
     let lowest = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
     // What is a centimetre higher is not on the ground.
     let near = points.iter().filter(|p| p.z < lowest + 0.01);
@@ -283,26 +278,21 @@ pub(crate) fn outline(model: &Model, geometry: &Geometry) -> Vec<[f64; 2]> {
 
 /// Points around a solid; the extremes among them.
 fn corners(solid: &Solid) -> Vec<Vector3<f64>> {
-    let circle = |radius: f64, height: f64| {
-        (0..16).map(move |k| {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 16.0).sin_cos();
+    let circles = |radius: f64, half: f64| {
+        (0..32).map(move |k| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k / 2) / 16.0).sin_cos();
+            let height = if k % 2 == 0 { -half } else { half };
             Vector3::new(radius * cos, radius * sin, height)
         })
     };
     match *solid {
         Solid::Box(half) => (0..8)
-            .map(|k| {
-                let sign = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
-                Vector3::new(sign(0) * half.x, sign(1) * half.y, sign(2) * half.z)
-            })
+            .map(|k| Vector3::from_fn(|axis, _| half[axis] * f64::from(2 * (k >> axis & 1) - 1)))
             .collect(),
-        Solid::Cylinder { radius, half } => {
-            circle(radius, -half).chain(circle(radius, half)).collect()
-        }
+        Solid::Cylinder { radius, half } => circles(radius, half).collect(),
         Solid::Capsule { radius, half } => {
             let ends = [-half - radius, half + radius].map(|z| Vector3::new(0.0, 0.0, z));
-            let circles = circle(radius, -half).chain(circle(radius, half));
-            ends.into_iter().chain(circles).collect()
+            ends.into_iter().chain(circles(radius, half)).collect()
         }
         Solid::Sphere { radius } => vec![Vector3::new(0.0, 0.0, -radius)],
     }

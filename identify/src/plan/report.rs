@@ -38,9 +38,9 @@ use super::limits::Limits;
 use crate::Error;
 use crate::NextStep;
 use crate::feet::{Offset, Places};
-use crate::logs::{LogSource, Options, PostureWriter, Readings, Row, Sidecar, Table};
+use crate::logs::{Options, PostureWriter, ROOM, Readings, Row, Samples, Sidecar};
 use crate::observations::noise::NoiseSource;
-use crate::observations::postures::{Postures, Taking, range};
+use crate::observations::postures::{Postures, range};
 use crate::observations::revisits::{COUNT, spread};
 use crate::watch::Watch;
 
@@ -172,18 +172,6 @@ impl Plan {
         format!("{clear}, {free} of these free of self-collision")
     }
 
-    /// The postures as a log in memory, those that come back included.
-    pub fn log(&self) -> LogSource {
-        let (poses, rows): (Vec<i64>, Vec<&[f64]>) = self.rows().unzip();
-        let table = Table::new("plan").integers("pose", poses);
-        let joints = self.joints.iter().enumerate();
-        let table = joints.fold(table, |table, (k, joint)| {
-            let values: Vec<f64> = rows.iter().map(|q| q[k]).collect();
-            table.numbers(&joint.joint, values)
-        });
-        LogSource::from(table).with_sidecar(self.sidecar())
-    }
-
     /// Write the postures as a log, those that come back included; gives back where its
     /// sidecar is.
     ///
@@ -210,7 +198,8 @@ impl Plan {
         numbers.map(move |pose| (pose, postures[pose as usize - 1]))
     }
 
-    fn sidecar(&self) -> Sidecar {
+    /// The sidecar of its file.
+    pub fn sidecar(&self) -> Sidecar {
         Sidecar {
             robot: Some(self.robot.clone()),
             support: Some(self.support.clone()),
@@ -307,22 +296,22 @@ pub(super) fn lessons(
     noise: f64,
     order: &[usize],
 ) -> Vec<Lesson> {
-    let steps = deviations(regressor, prior, noise, order);
-    let params = &model.base.params;
     let lesson = |pair: &[Vec<f64>]| {
-        let part = |k: &usize| pair[1][*k] / pair[0][*k];
-        let known = (0..params.len()).filter(|k| part(k).is_finite());
-        let best = known.min_by(|a, b| part(a).total_cmp(&part(b)))?;
+        let stds = pair[0].iter().zip(&pair[1]).zip(&model.base.params);
+        let falls = stds.map(|((before, after), param)| (after / before, *before, *after, param));
+        let known = falls.filter(|(part, ..)| part.is_finite());
+        let (_, before, after, param) = known.min_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(Lesson {
-            parameter: params[best].name.clone(),
-            unit: match params[best].column {
+            parameter: param.name.clone(),
+            unit: match param.column {
                 Column::Prismatic { .. } => "1",
                 Column::Axis { .. } => "m",
             },
-            before: pair[0][best],
-            after: pair[1][best],
+            before,
+            after,
         })
     };
+    let steps = deviations(regressor, prior, noise, order);
     steps.windows(2).filter_map(lesson).collect()
 }
 
@@ -381,19 +370,16 @@ impl Known {
         };
         let (robot, model) = (&request.robot, &request.model);
         let links = robot.description.link_names();
-        let taking = Taking {
-            options: Options {
-                readings: Readings::Required,
-                links: links.map(str::to_string).collect(),
-                support: Some(model.support().to_string()),
-                soles: Some(Places::of(robot, Snapping::default())),
-                both_feet: request.feet.said(),
-                ..Options::default()
-            },
-            noise: None,
-            floor: 0.0,
+        let options = Options {
+            readings: Readings::Required,
+            links: links.map(str::to_string).collect(),
+            support: Some(model.support().to_string()),
+            soles: Some(Places::of(robot, Snapping::default())),
+            both_feet: request.feet.said(),
+            ..Options::default()
         };
-        let data = Postures::read(log, model, &taking, watch)?;
+        let samples = Samples::read(log, &robot.description, &options, ROOM, watch)?;
+        let data = Postures::read(&samples, model, (None, 0.0), watch)?;
         let rows = data.summary.as_ref().map_or(1.0, |found| found.rows as f64);
         let per_posture = (rows / data.postures.max(1) as f64).max(1.0);
         let known = data.noise_source != NoiseSource::Residuals && data.noise > 0.0;

@@ -25,13 +25,13 @@
 //! The CoP of both feet together may be wherever the hull of two soles is: that of the support,
 //! and the same about the other sole.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector2, Vector3};
 use sesc_model::Model;
 use sesc_model::effects::other_sole_by_joints;
 use sesc_model::tape::{Tape, Values};
 
 use super::collision::Collisions;
-use super::limits::{Limits, is_stuck, stride};
+use super::limits::{Limits, move_by};
 use super::region::Region;
 use super::shapes::{Geometry, Solid};
 use crate::evaluate::FASTEST;
@@ -120,16 +120,11 @@ impl Clearance {
             by_shapes: 0,
             by_points: 0,
         };
-        for (link, about) in model.tree.links.iter().enumerate() {
-            let Some((body, place)) = poses::of_link(model, link) else {
-                continue;
-            };
+        for (link, about, body, place) in poses::links(model) {
             if body == 0 || Some(body) == standing {
                 continue;
             }
-            let shapes = geometry.shapes.iter().filter(|s| s.link == about.name);
-            let of_shapes = shapes.map(|s| (place.then(&s.pose), s.solid));
-            let mut solids: Vec<(Pose, Solid)> = of_shapes.collect();
+            let mut solids: Vec<(Pose, Solid)> = geometry.on(&about.name, place).collect();
             all.by_shapes += usize::from(!solids.is_empty());
             all.by_points += usize::from(solids.is_empty());
             if solids.is_empty() {
@@ -202,6 +197,8 @@ fn points(model: &Model, link: usize, place: &Pose) -> Vec<Vector3<f64>> {
 
 /// Soles that lie this well are on the floor, m and rad.
 const ON_FLOOR: f64 = 1e-9;
+/// So little holds what no joint moves that soles come to lie so well.
+const DAMPING: f64 = 1e-9;
 /// How far the soles may be from each other, as parts of how far they are at rest.
 const APART: (f64, f64) = (0.75, 2.0);
 /// The other foot stays on its side: within this angle's cosine of where it is at rest.
@@ -241,8 +238,7 @@ impl<'m> BothFeet<'m> {
 
     /// The other sole's frame.
     fn sole(&self, q: &[f64]) -> Pose {
-        let mut bodies = Vec::new();
-        poses::bodies(self.model, q, &mut bodies);
+        let bodies = poses::bodies(&self.model.chain.bodies, q);
         bodies[self.body].then(&self.place)
     }
 
@@ -252,14 +248,16 @@ impl<'m> BothFeet<'m> {
     }
 
     /// Height, roll and pitch, and their slopes, a row each.
-    fn lies(&self, q: &[f64]) -> (Vector3<f64>, DMatrix<f64>) {
+    fn lies(&self, q: &[f64]) -> ([f64; ROWS], [Vec<f64>; ROWS]) {
         let width = 1 + q.len();
         let mut out = vec![0.0; ROWS * width];
         self.tape
             .run(&[Values::PerPosture(q)], 1, &mut out, FASTEST);
-        let values = Vector3::from_fn(|row, _| out[row * width]);
-        let slopes = DMatrix::from_fn(ROWS, q.len(), |row, j| out[row * width + 1 + j]);
-        (values, slopes)
+        let row = |k: usize| &out[k * width..(k + 1) * width];
+        (
+            [0, 1, 2].map(|k| row(k)[0]),
+            [0, 1, 2].map(|k| row(k)[1..].to_vec()),
+        )
     }
 
     /// One step towards both soles on the floor and a CoP that is off by `miss` (m), whose
@@ -271,27 +269,24 @@ impl<'m> BothFeet<'m> {
         jacobian: &[f64],
         ranges: &[(f64, f64)],
     ) -> f64 {
-        let (values, slopes) = self.lies(q);
-        let rows = DMatrix::from_fn(ROWS + 2, q.len(), |row, j| match row {
-            row if row < ROWS => slopes[(row, j)],
-            row => jacobian[(row - ROWS) * q.len() + j],
-        });
-        let wanted = [-values[0], -values[1], -values[2], miss.x, miss.y];
-        move_by(q, &DVector::from_column_slice(&wanted), &rows, ranges);
-        values.amax()
+        let ([height, roll, pitch], [a, b, c]) = self.lies(q);
+        let (x, y) = jacobian.split_at(q.len());
+        let wanted = [-height, -roll, -pitch, miss.x, miss.y];
+        move_by(q, wanted, [&a, &b, &c, x, y], DAMPING, ranges);
+        Vector3::new(height, roll, pitch).amax()
     }
 
     /// Put the other sole on the floor, wherever the CoP goes: whether it is there.
     pub fn put_down(&self, q: &mut [f64], ranges: &[(f64, f64)]) -> bool {
         for _ in 0..20 {
-            let (values, slopes) = self.lies(q);
-            if values.amax() <= ON_FLOOR {
+            let (lies, slopes) = self.lies(q);
+            if Vector3::from(lies).amax() <= ON_FLOOR {
                 return true;
             }
-            let wanted = DVector::from_column_slice((-values).as_slice());
-            move_by(q, &wanted, &slopes, ranges);
+            let slopes = slopes.each_ref().map(Vec::as_slice);
+            move_by(q, lies.map(|x| -x), slopes, DAMPING, ranges);
         }
-        self.lies(q).0.amax() <= ON_FLOOR
+        Vector3::from(self.lies(q).0).amax() <= ON_FLOOR
     }
 
     /// Where the CoP may be: the hull of both soles' regions; none where the feet are too close,
@@ -317,36 +312,6 @@ impl<'m> BothFeet<'m> {
     }
 }
 
-/// Least motion, in parts of the ranges, that changes the equations of `rows` by `wanted`.
-fn move_by(q: &mut [f64], wanted: &DVector<f64>, rows: &DMatrix<f64>, ranges: &[(f64, f64)]) {
-    let weights = ranges.iter().map(|(low, high)| (high - low).powi(2));
-    let mut weights: Vec<f64> = weights.collect();
-    let mut steps = DVector::zeros(q.len());
-    // Joints at a limit that would go further stay; the others do their part.
-    for _ in 0..2 {
-        let mut weighted = rows.clone();
-        for (mut column, weight) in weighted.column_iter_mut().zip(&weights) {
-            column *= *weight;
-        }
-        let mut gram = &weighted * rows.transpose();
-        // A little where no joint moves an equation.
-        let damping = 1e-9 * gram.trace() + f64::MIN_POSITIVE;
-        for k in 0..gram.nrows() {
-            gram[(k, k)] += damping;
-        }
-        let Some(factor) = gram.cholesky() else {
-            return;
-        };
-        steps = weighted.tr_mul(&factor.solve(wanted));
-        for (j, range) in ranges.iter().enumerate() {
-            if is_stuck(q[j], steps[j], *range) {
-                weights[j] = 0.0;
-            }
-        }
-    }
-    stride(q, steps.as_slice(), ranges);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -370,15 +335,14 @@ mod tests {
 
     #[test]
     fn points_and_shapes_are_measured_from_the_sole() {
-        let mut bodies = Vec::new();
         let (plain, geometry) = model("");
         let clearance = Clearance::new(&plain, &geometry, 0.005, None);
         assert_eq!((clearance.by_shapes, clearance.by_points), (0, 2));
-        poses::bodies(&plain, &[0.0, 0.0], &mut bodies);
+        let bodies = poses::bodies(&plain.chain.bodies, &[0.0, 0.0]);
         // The ankle lies on the ground and is the foot's; the CoM of the leg is next.
         let (z, link) = clearance.lowest(&bodies).unwrap();
         assert!((z - 0.3).abs() < 1e-15 && plain.tree.links[link].name == "leg");
-        poses::bodies(&plain, &[2.0, 0.0], &mut bodies);
+        let bodies = poses::bodies(&plain.chain.bodies, &[2.0, 0.0]);
         let (z, _) = clearance.lowest(&bodies).unwrap();
         assert!((z - 2f64.cos()).abs() < 1e-15);
 
@@ -387,10 +351,10 @@ mod tests {
         let (solid, geometry) = model(cylinder);
         let clearance = Clearance::new(&solid, &geometry, 0.005, None);
         assert_eq!((clearance.by_shapes, clearance.by_points), (1, 1));
-        poses::bodies(&solid, &[0.0, 0.0], &mut bodies);
+        let bodies = poses::bodies(&solid.chain.bodies, &[0.0, 0.0]);
         assert!((clearance.lowest(&bodies).unwrap().0 - 0.1).abs() < 1e-15);
         let q = 1.0f64;
-        poses::bodies(&solid, &[q, 0.0], &mut bodies);
+        let bodies = poses::bodies(&solid.chain.bodies, &[q, 0.0]);
         let expected = 0.5 * q.cos() - 0.4 * q.cos() - 0.1 * q.sin();
         assert!((clearance.lowest(&bodies).unwrap().0 - expected).abs() < 1e-15);
     }

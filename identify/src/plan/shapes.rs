@@ -71,16 +71,6 @@ impl Solid {
             Solid::Sphere { radius } => radius,
         }
     }
-
-    /// Radius of the sphere around it.
-    pub fn radius(&self) -> f64 {
-        match *self {
-            Solid::Box(half) => half.norm(),
-            Solid::Cylinder { radius, half } => radius.hypot(half),
-            Solid::Capsule { radius, half } => radius + half,
-            Solid::Sphere { radius } => radius,
-        }
-    }
 }
 
 impl Geometry {
@@ -122,10 +112,20 @@ impl Geometry {
         }
         geometry
     }
+
+    /// Solids of a link, in the frame of the body in which the link has its `place`.
+    pub fn on<'g>(
+        &'g self,
+        link: &'g str,
+        place: Pose,
+    ) -> impl Iterator<Item = (Pose, Solid)> + 'g {
+        let own = self.shapes.iter().filter(move |shape| shape.link == link);
+        own.map(move |shape| (place.then(&shape.pose), shape.solid))
+    }
 }
 
 /// What an `<origin>` says.
-pub(super) fn at(origin: &Origin) -> Pose {
+pub(crate) fn at(origin: &Origin) -> Pose {
     let [roll, pitch, yaw] = origin.rpy;
     Pose {
         rotation: *Rotation3::from_euler_angles(roll, pitch, yaw).matrix(),

@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use super::{Bench, NOISE, diagnosed, gauss, says};
 use crate::diagnose::Verdict;
-use crate::logs::{Options, Readings};
+use crate::logs::{LogSource, Options, ROOM, Readings, Samples};
 use crate::observations::noise::NoiseSource;
+use crate::observations::postures::Postures;
 use crate::observations::postures::gathering::MOST;
-use crate::observations::postures::{Postures, Taking};
 
 const HEADER: &str = "pose,hip,knee,cop_x,cop_y";
 
@@ -17,18 +17,17 @@ fn read(log: &str, sidecar: &str, noise: Option<f64>) -> Result<Postures, String
     let path = folder.path().join("log.csv");
     std::fs::write(&path, log).unwrap();
     std::fs::write(folder.path().join("log.toml"), sidecar).unwrap();
-    let taking = Taking {
-        options: Options {
-            readings: Readings::Required,
-            links: ["foot", "thigh", "shank"].map(String::from).to_vec(),
-            support: Some("foot".into()),
-            any_unit: true,
-            ..Options::default()
-        },
-        noise,
-        floor: 1e-4,
+    let options = Options {
+        readings: Readings::Required,
+        links: ["foot", "thigh", "shank"].map(String::from).to_vec(),
+        support: Some("foot".into()),
+        any_unit: true,
+        ..Options::default()
     };
-    let read = Postures::read(&path, &Bench::skew().model, &taking, &mut ());
+    let (model, log) = (Bench::skew().model, LogSource::from(&path));
+    let dofs = model.tree.dofs.clone();
+    let samples = Samples::of_joints(&log, dofs, &options, ROOM, &mut ());
+    let read = samples.and_then(|samples| Postures::read(&samples, &model, (noise, 1e-4), &mut ()));
     read.map_err(|error| error.to_string())
 }
 

@@ -3,6 +3,8 @@
 use super::{Bench, NOISE, term};
 use crate::diagnose::held_out::{apart, cross_validate, of_cad, parts};
 use crate::diagnose::problem::{ALL, Problem};
+use crate::logs::{LogSource, Options, ROOM, Samples};
+use crate::observations::postures::Postures;
 
 /// Cross-validated errors with the effects named, none where there are none.
 fn errors(problem: &Problem, effects: &[(&str, &str)]) -> crate::diagnose::held_out::HeldOut {
@@ -76,15 +78,12 @@ fn folds_never_share_a_pose() {
         }
     }
     std::fs::write(&path, log).unwrap();
-    let taking = crate::observations::postures::Taking {
-        options: crate::logs::Options::default(),
-        // Of a single reading: the mean of three is known to NOISE.
-        noise: Some(NOISE * 3.0_f64.sqrt()),
-        floor: 0.0,
-    };
-    let pooled =
-        crate::observations::postures::Postures::read(&path, &bench.model, &taking, &mut ())
-            .unwrap();
+    let (log, options) = (LogSource::from(&path), Options::default());
+    let dofs = bench.model.tree.dofs.clone();
+    let samples = Samples::of_joints(&log, dofs, &options, ROOM, &mut ()).unwrap();
+    // Of a single reading: the mean of three is known to NOISE.
+    let noise = (Some(NOISE * 3.0_f64.sqrt()), 0.0);
+    let pooled = Postures::read(&samples, &bench.model, noise, &mut ()).unwrap();
     assert_eq!(pooled.len(), 30);
     let once = errors(&bench.problem(data, "tight"), &[("sensor_offset", "-")]);
     let thrice = errors(&bench.problem(pooled, "tight"), &[("sensor_offset", "-")]);

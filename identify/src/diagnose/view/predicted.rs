@@ -10,7 +10,7 @@
 use super::super::findings::Explained;
 use super::super::hypothesis::{Term, with_places};
 use super::super::problem::{Fit, Problem};
-use super::{MOST, PER_PANEL, Residuals, chosen};
+use super::{Residuals, of_panel};
 
 /// The gap of one axis against one effect.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,15 +106,11 @@ fn panel(subject: String, axis: usize, change: &[f64], residuals: &Residuals) ->
         along += by * gap(k);
         square += by * by;
     }
-    let shown = chosen(n, MOST);
-    let points = chosen(shown.len(), PER_PANEL).into_iter().map(|posture| {
-        let k = shown[posture];
-        PredictedPoint {
-            posture,
-            change: change[2 * k + axis],
-            gap: gap(k),
-            outlier: residuals.outlier[k],
-        }
+    let points = of_panel(n).map(|(posture, k)| PredictedPoint {
+        posture,
+        change: change[2 * k + axis],
+        gap: gap(k),
+        outlier: residuals.outlier[k],
     });
     Predicted {
         subject,

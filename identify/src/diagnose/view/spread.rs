@@ -2,7 +2,7 @@
 
 use super::super::problem::Problem;
 use super::Residuals;
-use crate::observations::postures::rms;
+use crate::observations::postures::{range, rms};
 
 /// Residuals are counted from −EDGE to EDGE, in units of noise.
 pub const EDGE: f64 = 6.0;
@@ -80,10 +80,8 @@ impl Regions {
             .filter(|&k| !residuals.outlier[k])
             .collect();
         let ends = [0, 1].map(|axis| {
-            let values = kept.iter().map(|k| reading[2 * k + axis]);
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-                [low.min(x), high.max(x)]
-            })
+            let ends = range(kept.iter().map(|k| reading[2 * k + axis]));
+            [ends.0, ends.1]
         });
         let longest = ends
             .iter()

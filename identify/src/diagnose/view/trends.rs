@@ -8,7 +8,7 @@
 use super::super::criteria::{BINS, PER_BIN};
 use super::super::findings::{ActsOn, Explained};
 use super::super::problem::Problem;
-use super::{MOST, PER_PANEL, Residuals, chosen};
+use super::{Residuals, of_panel};
 
 /// Joints that are shown.
 const SHOWN: usize = 6;
@@ -122,9 +122,6 @@ pub(super) fn strongest(
             [0, 1].map(|axis| [&residuals.before, &residuals.after].map(|e| bins.follows(e, axis)));
         let worth = followed.map(|own| own[usize::from(of_rest)].1);
         let axis = usize::from(worth[1] > worth[0]);
-        let shown = chosen(n, MOST);
-        let points = chosen(shown.len(), PER_PANEL).into_iter();
-        let points = points.map(|posture| (posture, shown[posture]));
         let point = |(posture, k): (usize, usize)| Point {
             posture,
             at: values[k],
@@ -139,7 +136,7 @@ pub(super) fn strongest(
             unit,
             axis,
             share: followed[axis].map(|(share, _)| share),
-            points: points.map(point).collect(),
+            points: of_panel(n).map(point).collect(),
             means: bins.means(&values, residuals, axis),
         };
         ranked.push((step.unwrap_or(usize::MAX), worth[axis], trend));

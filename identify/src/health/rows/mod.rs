@@ -41,7 +41,7 @@ use super::finding::{Finding, Kind, Picture, Row};
 use super::wirings::{evenly, rms_of_gaps};
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::logs::{Block, LogSource, Options, PostureReader};
+use crate::logs::{Block, LogSource, Options, PostureReader, ROOM, Rows, Samples};
 use crate::observations::correlation;
 use crate::observations::motion::{Plan, Wanted};
 use crate::observations::noise::NoiseSource;
@@ -186,21 +186,18 @@ impl LogRows {
     /// # Errors
     /// What is wrong with the log: also that its rows are copies of one or two.
     pub fn read(
-        log: &LogSource,
+        samples: &Samples,
         (robot, model): (&Robot, &Model),
-        options: &Options,
         noise: Option<f64>,
         watch: &mut dyn Watch,
     ) -> Result<LogRows, Error> {
-        let dofs = &model.tree.dofs;
-        let (mut rows, averaged) =
-            LogRows::gather(log, dofs, Some(model.support()), options, watch)?;
+        let (mut rows, averaged) = LogRows::gather(samples, Some(model.support()), watch)?;
         if let Some(noise) = noise {
             rows.noise = Some(noise * (1.0 - averaged).sqrt());
             rows.noise_source = Some(NoiseSource::Given);
             rows.std = Vec::new();
         }
-        channels::check_distinct(&rows, log.name())?;
+        channels::check_distinct(&rows, samples.log.name())?;
         rows.sole = contact::corners(robot, model);
         rows.predict(model);
         Ok(rows)
@@ -209,18 +206,16 @@ impl LogRows {
     /// Rows of a log that stand on `support`, or on any, and how much of the variance of a
     /// single reading they have averaged.
     fn gather(
-        log: &LogSource,
-        dofs: &[Dof],
+        samples: &Samples,
         support: Option<&str>,
-        options: &Options,
         watch: &mut dyn Watch,
     ) -> Result<(LogRows, f64), Error> {
-        let log = log.clone().screened(Arc::new(LeftOut::default()));
-        let mut reader = PostureReader::open(&log, dofs, options)?;
+        let mut reader = samples.all_rows()?;
+        let sidecar = &samples.sidecar;
         let mut rows = LogRows {
-            dof: dofs.len(),
-            places: reader.sidecar.cells.clone().unwrap_or_default(),
-            both_feet: options.both_feet.or(reader.sidecar.both_feet),
+            dof: samples.dof(),
+            places: sidecar.cells.clone().unwrap_or_default(),
+            both_feet: samples.options.both_feet.or(sidecar.both_feet),
             ..LogRows::default()
         };
         let mut sample = Sample::default();
@@ -377,8 +372,8 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
         upper: PI,
         speed: 1.0,
     });
-    let joints: Vec<Dof> = joints.collect();
-    let (rows, _) = LogRows::gather(log, &joints, None, &options, watch)?;
+    let samples = Samples::of_joints(log, joints.collect(), &options, ROOM, watch)?;
+    let (rows, _) = LogRows::gather(&samples, None, watch)?;
     if rows.len() < FEW_ROWS || rows.reading.is_empty() {
         return Ok(Vec::new());
     }
@@ -433,7 +428,7 @@ impl Sample {
     ///
     /// # Errors
     /// What is wrong with the log.
-    fn next(&mut self, reader: &mut PostureReader) -> Result<Option<Block>, Error> {
+    fn next(&mut self, reader: &mut Rows) -> Result<Option<Block>, Error> {
         let block = match self.to_come {
             _ if self.taken >= ROWS => return Ok(None),
             // Rows of the end may still wait for the end of their stay.
@@ -470,7 +465,7 @@ impl Sample {
 
     /// About so many rows are behind the last one, if they are as long as those before; none
     /// where that is not known.
-    fn rows_left(&self, reader: &PostureReader) -> Option<u64> {
+    fn rows_left(&self, reader: &Rows) -> Option<u64> {
         let (done, total) = reader.progress();
         // More than were given out where rows wait for the end of their stay.
         let rows = (reader.taken() + self.passed).max(1);

@@ -6,10 +6,12 @@ use std::io::Read;
 use sesc_model::tree::Dof;
 use sesc_model::urdf::suggestion;
 
-use super::cdr::JointState;
+use super::cdr::{self, JointState};
+use super::contacts::{Pair, Wrenches};
 use super::records::{Channel, Records};
 use super::{FIRST, STATE, WRENCH};
 use crate::logs::names::{list, short};
+use crate::logs::settings::{Options, Readings};
 
 /// The topic of a robot's joints by convention, which goes before others.
 const JOINTS_TOPIC: &str = "/joint_states";
@@ -23,10 +25,12 @@ pub(super) struct Survey {
     pub joint_topics: JointTopics,
     /// Topic of the CoP, if it is wanted.
     pub topic: Option<String>,
-    /// Whether the recording says that this is the topic.
-    pub said: bool,
+    /// Whether others beside it are passed over.
+    pub chosen: bool,
     /// Whether that topic is of wrenches.
     pub is_wrench: bool,
+    /// The two contacts of a recording of both feet.
+    pub pair: Option<Pair>,
 }
 
 impl Survey {
@@ -35,15 +39,17 @@ impl Survey {
         mut records: Records<R>,
         dofs: &[Dof],
         (topic, joints_topic): (Option<&str>, Option<&str>),
-        wanted: bool,
+        options: &Options,
     ) -> Result<Survey, String> {
+        let wanted = options.readings != Readings::Ignored;
+        let is_one_foot = options.both_feet == Some(false) || options.soles.is_none();
+        let mut wrenches = Wrenches::new(wanted && topic.is_none() && !is_one_foot);
         let own: HashSet<&str> = dofs.iter().map(|dof| dof.joint.trim()).collect();
         let mut missing = own.clone();
         let mut joint_topics = JointTopics::default();
-        let (mut seen, mut found, mut said) = (HashSet::new(), None, false);
-        let mut is_wrench = false;
+        let (mut seen, mut found, mut is_wrench) = (HashSet::new(), None, false);
         let mut beyond = 0;
-        while beyond < 500 {
+        while beyond < 500 || wrenches.undecided() {
             let Some(message) = records.next()? else {
                 break;
             };
@@ -55,13 +61,19 @@ impl Survey {
             } = &*message.channel;
             if schema != STATE {
                 if found.is_none() && topic.is_none_or(|topic| topic == on) {
-                    (found, said) = (Some(on.clone()), message.channel.own_postures);
+                    found = Some(on.clone());
                     is_wrench = schema == WRENCH;
                 }
-            } else if joints_topic.is_none_or(|topic| topic == on) {
+                if schema != WRENCH {
+                    wrenches.point();
+                } else if wrenches.undecided() {
+                    let (_, frame, [force, _]) = message.decoded(cdr::wrench)?;
+                    wrenches.see(on, &frame, force);
+                }
+            } else if beyond < 500 && joints_topic.is_none_or(|topic| topic == on) {
                 let of = joint_topics.0.entry(on.clone()).or_default();
                 let (_, _, state) = message.decoded(JointState::decode)?;
-                for name in state.name.iter().map(|name| name.trim()) {
+                for name in state.joints.iter().map(|(name, ..)| name.trim()) {
                     missing.remove(name);
                     if own.contains(name) {
                         of.insert(name.to_string());
@@ -99,12 +111,15 @@ impl Survey {
             joints.retain(|name| !FIRST.contains(&name.as_str()));
             joints.sort();
         }
+        let pair = wrenches.pair(dofs.len(), options);
+        let support = pair.as_ref().map(|pair| pair.topics[0].clone());
         Ok(Survey {
             joints,
             joint_topics,
-            topic: found.filter(|_| wanted),
-            said,
+            topic: support.or(found).filter(|_| wanted),
+            chosen: topic.is_some() || pair.is_some(),
             is_wrench,
+            pair,
         })
     }
 }
