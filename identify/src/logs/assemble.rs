@@ -34,7 +34,7 @@ use super::columns::{Columns, POSE};
 use super::names::{list, short};
 use super::settings::{Options, Sidecar, check_gravity};
 use super::source::{MISSING, Raw};
-use crate::{Error, Message, Setting, message};
+use crate::{Error, Message};
 
 /// Makes blocks of raw rows.
 pub(super) struct Assembler {
@@ -137,34 +137,20 @@ impl Assembler {
         self.fill_unused(raw);
         let rows = typical_run(&raw.pose).max(1) as f64;
         self.shrink = (rows / self.readings_per_pose as f64).min(1.0).sqrt();
-        let Some(k) = self.columns.cop else {
-            return Ok(());
-        };
-        let line = raw.line.first().copied();
-        let far = self.typical(raw, k);
         // In no unit is that the CoP of a robot: one that is wrong by a thousand is an effect.
         let most = if self.any_unit { 1e4 } else { 2.0 };
-        if let Some(typical) = far.filter(|far| *far > most) {
-            let message = format!(
-                "columns `cop_x`, `cop_y`: the CoP is typically {} m from the origin of the \
-                 sole; give metres, not millimetres",
-                three_digits(typical)
-            );
-            return Err(self.fault(line, message));
+        let far = self.columns.cop.and_then(|k| self.typical(raw, k));
+        match far.filter(|far| *far > most) {
+            None => Ok(()),
+            Some(far) => {
+                let message = format!(
+                    "columns `cop_x`, `cop_y`: the CoP is typically {} m from the origin of the \
+                     sole; give metres, not millimetres",
+                    three_digits(far)
+                );
+                Err(self.fault(raw.line.first().copied(), message))
+            }
         }
-        // In a log in millimetres deviations are, too: the unit is found from its readings.
-        if far.is_some_and(|far| far <= 2.0)
-            && let Some(k) = self.columns.cop_std
-            && let Some(std) = self.typical(raw, k).filter(|std| *std > 0.1)
-        {
-            let said = format!(
-                "columns `cop_x_std`, `cop_y_std`: a reading is typically known to {} m, more than \
-                 a sole; give metres, not millimetres, or leave out the columns and give ",
-                three_digits(std)
-            );
-            return Err(self.fault(line, message![said, Setting::Noise]));
-        }
-        Ok(())
     }
 
     /// Optional columns without a value.
@@ -385,33 +371,38 @@ impl Assembler {
             all.push(numbers[k]);
         }
         let force = &numbers[columns.cells.clone()];
-        let force_std = columns.cell_std.map(|k| &numbers[k..k + force.len()]);
-        let force_std = force_std.map(|all| all.iter().map(|s| s * self.shrink));
+        let force_std = columns.cell_std.map(|k| -> Vec<f64> {
+            let own = numbers[k..k + force.len()].iter();
+            own.map(|s| s * self.shrink).collect()
+        });
         if let Some(cells) = &mut block.cells {
             cells.force.extend(force);
-            if let (Some(all), Some(std)) = (&mut cells.std, force_std.clone()) {
+            if let (Some(all), Some(std)) = (&mut cells.std, &force_std) {
                 all.extend(std);
             }
         }
         let Some(reading) = &mut block.reading else {
             return Ok(());
         };
-        if let Some(k) = columns.cop {
-            reading.push([numbers[k], numbers[k + 1]]);
-            if let (Some(std), Some(k)) = (&mut block.std, columns.cop_std) {
-                std.push([numbers[k] * self.shrink, numbers[k + 1] * self.shrink]);
+        let (cop, std) = match columns.cop {
+            Some(k) => {
+                let pair = |k: usize| [numbers[k], numbers[k + 1]];
+                let std = columns.cop_std.map(pair);
+                (pair(k), std.map(|std| std.map(|s| s * self.shrink)))
             }
-        } else {
-            let cop = match centre(&self.cells, force) {
-                Err(_) if self.no_load => [0.0; 2],
-                cop => cop?,
-            };
-            check_cop(cop)?;
-            reading.push(cop);
-            if let (Some(all), Some(std)) = (&mut block.std, force_std) {
-                let own = deviation(&self.cells, force, std, cop);
-                all.push(own.map(|s| if s.is_finite() { s } else { 1.0 }));
+            None => {
+                let cop = match centre(&self.cells, force) {
+                    Err(_) if self.no_load => [0.0; 2],
+                    cop => cop?,
+                };
+                check_cop(cop)?;
+                let std = force_std.map(|std| deviation(&self.cells, force, &std, cop));
+                (cop, std)
             }
+        };
+        reading.push(cop);
+        if let (Some(all), Some(std)) = (&mut block.std, std) {
+            all.push(std);
         }
         Ok(())
     }
@@ -480,19 +471,13 @@ fn centre(places: &[[f64; 2]], f: &[f64]) -> Result<[f64; 2], String> {
     }
 }
 
-/// Deviation of a CoP from those of its forces, to first order.
-fn deviation(
-    places: &[[f64; 2]],
-    f: &[f64],
-    std: impl Iterator<Item = f64>,
-    cop: [f64; 2],
-) -> [f64; 2] {
+/// Deviation of a CoP from those of its forces, to first order; 1 m where that says nothing.
+fn deviation(places: &[[f64; 2]], f: &[f64], std: &[f64], cop: [f64; 2]) -> [f64; 2] {
     let total: f64 = f.iter().sum();
-    let mut variance = [0.0; 2];
-    for (place, std) in places.iter().zip(std) {
-        for axis in 0..2 {
-            variance[axis] += ((place[axis] - cop[axis]) * std / total).powi(2);
-        }
-    }
-    variance.map(f64::sqrt)
+    [0, 1].map(|axis| {
+        let parts = places.iter().zip(std);
+        let parts = parts.map(|(place, std)| ((place[axis] - cop[axis]) * std / total).powi(2));
+        let own = parts.sum::<f64>().sqrt();
+        if own.is_finite() { own } else { 1.0 }
+    })
 }

@@ -65,16 +65,25 @@ impl Block {
         keep_some(&mut self.line, 1, keep);
         keep_some(&mut self.pose, 1, keep);
         keep_some(&mut self.q, width, keep);
-        keep_known(&mut self.t, 1, keep);
-        keep_known(&mut self.support, 1, keep);
-        keep_known(&mut self.reading, 1, keep);
-        keep_known(&mut self.std, 1, keep);
-        keep_known(&mut self.gravity, 1, keep);
-        keep_known(&mut self.load, 1, keep);
-        keep_known(&mut self.other, 1, keep);
+        self.t.iter_mut().for_each(|own| keep_some(own, 1, keep));
+        self.support
+            .iter_mut()
+            .for_each(|own| keep_some(own, 1, keep));
+        self.reading
+            .iter_mut()
+            .for_each(|own| keep_some(own, 1, keep));
+        self.std.iter_mut().for_each(|own| keep_some(own, 1, keep));
+        self.gravity
+            .iter_mut()
+            .for_each(|own| keep_some(own, 1, keep));
+        self.load.iter_mut().for_each(|own| keep_some(own, 1, keep));
+        self.other
+            .iter_mut()
+            .for_each(|own| keep_some(own, 1, keep));
         if let Some(cells) = &mut self.cells {
             keep_some(&mut cells.force, cells.count, keep);
-            keep_known(&mut cells.std, cells.count, keep);
+            let std = cells.std.iter_mut();
+            std.for_each(|own| keep_some(own, cells.count, keep));
         }
     }
 
@@ -136,13 +145,6 @@ fn some<T: Clone>(all: &Option<Vec<T>>, rows: &Range<usize>) -> Option<Vec<T>> {
 fn join<T>(own: &mut Option<Vec<T>>, other: Option<Vec<T>>) {
     if let (Some(own), Some(other)) = (own, other) {
         own.extend(other);
-    }
-}
-
-/// The same of a column that not every log has.
-fn keep_known<T>(values: &mut Option<Vec<T>>, width: usize, keep: &[bool]) {
-    if let Some(values) = values {
-        keep_some(values, width, keep);
     }
 }
 

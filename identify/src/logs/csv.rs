@@ -24,7 +24,7 @@ use csv_core::ReadRecordResult;
 use super::columns::{Columns, POSE, with_units};
 use super::input::Metered;
 use super::names::short;
-use super::source::{Interner, MISSING, Raw, RowSource};
+use super::source::{Raw, RowSource, repeated, whole};
 use crate::Error;
 use crate::threads::by_parts;
 
@@ -47,7 +47,6 @@ pub(super) struct CsvSource {
     /// Rows that are not numbers yet.
     rows: Vec<Row>,
     meter: Metered,
-    links: Interner,
 }
 
 /// Fields one behind the other, where each ends, and the line on which they begin.
@@ -99,7 +98,6 @@ impl CsvSource {
             first: None,
             rows: Vec::new(),
             meter,
-            links: Interner::default(),
         };
         let names = source.next()?.unwrap_or_default();
         let field = names.fields();
@@ -227,7 +225,10 @@ impl CsvSource {
         raw.line.extend(rows.iter().map(|row| row.line));
         if let Some(k) = columns.support {
             let names = rows.iter().filter_map(|row| Some(row.fields()?(k).trim()));
-            raw.support.extend(names.map(|name| self.links.get(name)));
+            for name in names {
+                let link = repeated(raw.support.last(), name);
+                raw.support.push(link);
+            }
         }
         Ok(())
     }
@@ -238,16 +239,12 @@ impl CsvSource {
 }
 
 impl RowSource for CsvSource {
-    fn is_text(&self) -> bool {
-        true
-    }
-
     fn header(&self) -> &[String] {
         &self.header
     }
 
-    fn names_line(&self) -> u64 {
-        self.names_line
+    fn names_line(&self) -> Option<u64> {
+        Some(self.names_line)
     }
 
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
@@ -429,7 +426,7 @@ fn parse_rows(columns: &Columns, rows: &[Row]) -> Result<(Vec<i64>, Vec<f64>), F
         let mut parse = || -> Result<(), String> {
             let field = row.fields().ok_or(NO_TEXT)?;
             if let Some(k) = columns.pose {
-                poses.push(whole(field(k).trim())?);
+                poses.push(pose(field(k).trim())?);
             }
             for (&k, name) in columns.numbers.iter().zip(&columns.names) {
                 numbers.push(number(field(k), name)?);
@@ -441,18 +438,11 @@ fn parse_rows(columns: &Columns, rows: &[Row]) -> Result<(Vec<i64>, Vec<f64>), F
     Ok((poses, numbers))
 }
 
-fn whole(text: &str) -> Result<i64, String> {
-    if let Ok(number) = text.parse() {
-        return Ok(number);
-    }
-    // Programs write whole numbers as 3.0 or 3e0, too.
+/// A whole number; programs write it as 3.0 or 3e0, too.
+fn pose(text: &str) -> Result<i64, String> {
     match text.parse() {
-        _ if is_missing(text) => Ok(MISSING),
-        Ok(number) => super::source::whole(number),
-        Err(_) => Err(format!(
-            "column `{POSE}`: `{}` is no whole number",
-            short(text)
-        )),
+        Ok(number) => Ok(number),
+        Err(_) => whole(number(text, POSE)?),
     }
 }
 

@@ -18,12 +18,16 @@ use super::block::{Block, Standing};
 use super::columns::{Columns, named, no_names};
 use super::csv::CsvSource;
 use super::input::{LogSource, Metered, Place, Screening};
+#[cfg(feature = "mcap")]
+use super::mcap::McapSource;
 use super::names;
+#[cfg(feature = "parquet")]
+use super::parquet::ParquetSource;
 use super::settings::{Angles, Options, Sidecar, Stays};
 use super::source::{Raw, RowSource};
 use super::stillness::Settling;
 use super::suspect::Suspicions;
-use super::table::{Shared, TableSource};
+use super::table::TableSource;
 use crate::{Error, Message};
 
 /// Rows taken from the file at once, and looked at before the first is given out.
@@ -111,8 +115,9 @@ impl PostureReader {
         let file = log.name().to_string();
         let watched = log.watched()?;
         let mut source = open_source(&log, dofs, options, &sidecar)?;
-        let at = Some(source.names_line());
-        let promised = promised(&file).filter(|format| *format != PACKED && source.is_text());
+        let line = source.names_line();
+        let at = line.or(Some(1));
+        let promised = promised(&file).filter(|format| *format != PACKED && line.is_some());
         let misnamed = promised.map_or(String::new(), |format| {
             format!("not {format} but text, which is read as CSV: ")
         });
@@ -167,7 +172,7 @@ impl PostureReader {
         let mut assembler = Assembler::new(&file, columns, dofs, &sidecar, options)?;
         assembler.no_load = log.screen.is_some();
         Ok(PostureReader {
-            suspicions: Suspicions::new(&file, dofs, angles),
+            suspicions: Suspicions::new(dofs),
             source,
             factors,
             assembler,
@@ -317,7 +322,9 @@ impl PostureReader {
         }
         self.suspicions.see(&block);
         if block.len() < count && !std::mem::replace(&mut self.concluded, true) {
-            self.warnings.extend(self.suspicions.judge());
+            let said = self.suspicions.times();
+            let said = said.map(|said| format!("{}: {said}", self.assembler.file).into());
+            self.warnings.extend(said);
             let said = self.assembler.conclude(self.summary.rows)?;
             self.warnings.extend(said);
         }
@@ -440,18 +447,36 @@ fn open_source(
     let begun = (&mut input).take(8).read_to_end(&mut head);
     begun.map_err(failed)?;
     if head.starts_with(b"PAR1") || head.starts_with(b"PARE") {
-        return match place {
+        #[cfg(not(feature = "parquet"))]
+        return Err(Error::without("parquet", "Parquet", file));
+        #[cfg(feature = "parquet")]
+        return Ok(Box::new(match place {
             // What its columns are stands at the end.
             Place::Stream(_) => {
                 let mut bytes = head;
                 input.read_to_end(&mut bytes).map_err(failed)?;
-                open_parquet(&Place::Bytes(Shared::new(bytes)), file)
+                ParquetSource::open(&Place::Bytes(super::table::Shared::new(bytes)), file)?
             }
-            _ => open_parquet(place, file),
-        };
+            _ => ParquetSource::open(place, file)?,
+        }));
     }
     if head.starts_with(b"\x89MCAP") {
-        return open_mcap(place, file, dofs, options, sidecar);
+        #[cfg(not(feature = "mcap"))]
+        let _ = (dofs, options, sidecar);
+        #[cfg(not(feature = "mcap"))]
+        return Err(Error::without("mcap", "MCAP", file));
+        #[cfg(feature = "mcap")]
+        return Ok(Box::new(McapSource::open(
+            place,
+            file,
+            dofs,
+            &Options {
+                support: options.support.clone().or_else(|| sidecar.support.clone()),
+                both_feet: options.both_feet.or(sidecar.both_feet),
+                ..options.clone()
+            },
+            [&sidecar.topic, &sidecar.joints_topic].map(Option::as_deref),
+        )?));
     }
     if let Some(message) = foreign(file, &head).or_else(|| damaged_from_the_start(file, &head)) {
         return Err(wrong(message));
@@ -489,43 +514,6 @@ fn damaged_from_the_start(file: &str, head: &[u8]) -> Option<String> {
              copy it again, or rename it"
         ),
     })
-}
-
-#[cfg(feature = "parquet")]
-fn open_parquet(place: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
-    Ok(Box::new(super::parquet::ParquetSource::open(place, file)?))
-}
-
-#[cfg(not(feature = "parquet"))]
-fn open_parquet(_: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
-    Err(Error::without("parquet", "Parquet", file))
-}
-
-#[cfg(feature = "mcap")]
-fn open_mcap(
-    place: &Place,
-    file: &str,
-    dofs: &[Dof],
-    options: &Options,
-    sidecar: &Sidecar,
-) -> Result<Box<dyn RowSource>, Error> {
-    let mut options = options.clone();
-    options.support = options.support.or_else(|| sidecar.support.clone());
-    options.both_feet = options.both_feet.or(sidecar.both_feet);
-    let topics = [&sidecar.topic, &sidecar.joints_topic].map(Option::as_deref);
-    let source = super::mcap::McapSource::open(place, file, dofs, &options, topics)?;
-    Ok(Box::new(source))
-}
-
-#[cfg(not(feature = "mcap"))]
-fn open_mcap(
-    _: &Place,
-    file: &str,
-    _: &[Dof],
-    _: &Options,
-    _: &Sidecar,
-) -> Result<Box<dyn RowSource>, Error> {
-    Err(Error::without("mcap", "MCAP", file))
 }
 
 /// First bytes of files that are not read, what they are, and what makes a log of them; `@` stands

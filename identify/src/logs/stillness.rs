@@ -36,7 +36,7 @@ pub(super) struct Posture<R> {
 
 /// Cuts a stream of joint states and readings of kind `R` into postures.
 pub(super) struct StillnessCutter<R> {
-    stillness: StillnessLimits,
+    pub stillness: StillnessLimits,
     now: Option<Current<R>>,
     next_pose: i64,
 }

@@ -1,5 +1,5 @@
-//! What a whole log looks like it got wrong: degrees for radians, and times that stand still, are
-//! missing or in another unit.
+//! What a whole log looks like it got wrong: times that stand still, are missing or are in another
+//! unit.
 //!
 //! ```text
 //! v_j = max |Δq_j| / Δt ≪ v_limit        in rows that follow each other smoothly:
@@ -13,22 +13,15 @@
 //! Each is a warning: the values are possible, only unlikely. Memory: some
 //! numbers per joint.
 
-use std::f64::consts::PI;
-
 use sesc_model::tree::Dof;
 
 use super::block::Block;
 use super::columns::T;
-use super::criteria::{CREEPS, FASTEST, FEW, GOES_ON, LOGGED, MOVES, SHARED, SLACK, SMOOTH};
-use super::settings::{Angles, IN_DEGREES, OR_SIDECAR};
-use crate::{Message, Setting, message};
+use super::criteria::{CREEPS, FASTEST, FEW, GOES_ON, LOGGED, MOVES, SHARED, SMOOTH};
 
 /// Statistics of a log.
 pub(super) struct Suspicions {
-    file: String,
     joints: Vec<Joint>,
-    /// From rad back to the unit of the file.
-    per_rad: f64,
     rows: u64,
     /// Least and largest time, s.
     ends: [f64; 2],
@@ -40,18 +33,8 @@ pub(super) struct Suspicions {
 /// What the column of a joint shows, rad or m.
 #[derive(Default)]
 struct Joint {
-    prismatic: bool,
     /// Speed that it is allowed, rad/s or m/s.
     speed: f64,
-    /// Limits with their slack; infinite where none mean something.
-    lower: f64,
-    upper: f64,
-    outside: u64,
-    /// Largest of its positions, whatever their signs.
-    largest: f64,
-    /// Values other than zero, and how many of them are whole in the file's unit.
-    nonzero: u64,
-    whole: u64,
     last: f64,
     /// Largest speed by the stamps, rad/s or m/s.
     fastest: f64,
@@ -65,30 +48,9 @@ struct Joint {
 }
 
 impl Joint {
-    fn new(dof: &Dof) -> Joint {
-        // A servo is beyond its limits by no more than the slack.
-        let slack = match (dof.continuous, dof.prismatic) {
-            (true, _) => f64::INFINITY,
-            (_, true) => 0.0,
-            _ => SLACK,
-        };
-        Joint {
-            prismatic: dof.prismatic,
-            speed: dof.speed,
-            lower: dof.lower - slack,
-            upper: dof.upper + slack,
-            ..Joint::default()
-        }
-    }
-
-    /// A position in the next row, and as it stands in the file; `weight` is 1/rows so far, and
-    /// `per_second` 1/Δt to the row above.
-    fn see(&mut self, q: f64, written: f64, weight: f64, per_second: f64) {
-        self.outside += u64::from((q < self.lower) | (q > self.upper));
-        self.largest = self.largest.max(q.abs());
-        let is_whole = (written - written.round_ties_even()).abs() < 1e-9;
-        self.nonzero += u64::from(q != 0.0);
-        self.whole += u64::from((q != 0.0) & is_whole);
+    /// A position in the next row; `weight` is 1/rows so far, and `per_second` 1/Δt to the row
+    /// above.
+    fn see(&mut self, q: f64, weight: f64, per_second: f64) {
         let step = if weight < 1.0 { q - self.last } else { 0.0 };
         self.fastest = self.fastest.max(step.abs() * per_second);
         self.stepped += step * step;
@@ -101,14 +63,13 @@ impl Joint {
 }
 
 impl Suspicions {
-    pub fn new(file: &str, dofs: &[Dof], angles: Angles) -> Suspicions {
+    pub fn new(dofs: &[Dof]) -> Suspicions {
+        let joint = |dof: &Dof| Joint {
+            speed: dof.speed,
+            ..Joint::default()
+        };
         Suspicions {
-            file: file.to_string(),
-            joints: dofs.iter().map(Joint::new).collect(),
-            per_rad: match angles {
-                Angles::Deg => 180.0 / PI,
-                Angles::Rad => 1.0,
-            },
+            joints: dofs.iter().map(joint).collect(),
             rows: 0,
             ends: [f64::INFINITY, f64::NEG_INFINITY],
             last_t: f64::NAN,
@@ -129,53 +90,13 @@ impl Suspicions {
             self.last_t = t;
             let weight = 1.0 / self.rows as f64;
             for (joint, &q) in self.joints.iter_mut().zip(&block.q[k * n..]) {
-                joint.see(q, q * self.per_rad, weight, per_second);
+                joint.see(q, weight, per_second);
             }
         }
     }
 
-    /// What was noticed.
-    pub fn judge(&self) -> Vec<Message> {
-        let found = [self.angles(), self.times().map(Message::from)];
-        let file = format!("{}: ", self.file);
-        let found = found.into_iter().flatten();
-        found.map(|found| found.after(&file)).collect()
-    }
-
-    /// Radians that look like degrees: whole numbers, or far beyond the limits of most joints; and
-    /// degrees that look like radians: no joint ever moves by more than π of them.
-    fn angles(&self) -> Option<Message> {
-        let revolute = || self.joints.iter().filter(|joint| !joint.prismatic);
-        let nonzero: u64 = revolute().map(|joint| joint.nonzero).sum();
-        let whole: u64 = revolute().map(|joint| joint.whole).sum();
-        let largest = revolute().map(|joint| joint.largest).fold(0.0, f64::max);
-        if self.per_rad != 1.0 {
-            let most = largest * self.per_rad;
-            let said = format!("read in degrees, no joint ever moves beyond {most:.2}°");
-            return (nonzero >= FEW && most <= PI).then(|| {
-                message![
-                    format!("{said}; if the log is in radians, leave out "),
-                    Setting::Angles,
-                    " and `angles = \"deg\"`"
-                ]
-            });
-        }
-        // Beyond its own limits mostly, as a column is that belongs to another.
-        let strays = |joint: &&Joint| self.rows >= FEW && 4 * joint.outside > self.rows;
-        let straying = revolute().filter(strays).count();
-        let why = if nonzero >= FEW && 10 * whole > 9 * nonzero && largest >= 2.0 {
-            "nearly all angles are whole numbers"
-        } else if straying > 2 && 2 * straying > revolute().count() {
-            "most joints are far beyond their limits"
-        } else {
-            return None;
-        };
-        let why = format!("{why}; {IN_DEGREES}");
-        Some(message![why, Setting::Angles, OR_SIDECAR])
-    }
-
     /// Stamps that say nothing of time, or are hardly in seconds.
-    fn times(&self) -> Option<String> {
+    pub fn times(&self) -> Option<String> {
         if self.rows < FEW {
             return None;
         }
@@ -242,47 +163,10 @@ impl Suspicions {
 mod tests {
     use super::*;
     use crate::logs::tests::dofs;
-    use crate::tests::says;
-
-    fn warnings(limits: &[(f64, f64)], angles: Angles, rows: &[Vec<f64>]) -> String {
-        let mut joints = dofs(&["a", "b", "c"][..limits.len()]);
-        for (dof, (lower, upper)) in joints.iter_mut().zip(limits) {
-            (dof.lower, dof.upper) = (*lower, *upper);
-        }
-        let mut suspicions = Suspicions::new("f", &joints, angles);
-        suspicions.see(&Block {
-            line: vec![0; rows.len()],
-            q: rows
-                .iter()
-                .flat_map(|row| &row[..limits.len()])
-                .copied()
-                .collect(),
-            ..Block::default()
-        });
-        let said = suspicions.judge();
-        let said = said.iter().map(Message::to_string);
-        // Rows of these tests follow each other and have no times.
-        let said = said.filter(|said| !said.contains("motion is not counted"));
-        said.collect::<Vec<_>>().join("\n")
-    }
-
-    #[test]
-    fn angles_in_another_unit_are_noticed() {
-        let column = |q: &dyn Fn(f64) -> f64| -> Vec<Vec<f64>> {
-            (1..40).map(|k| vec![q(f64::from(k)), -0.1]).collect()
-        };
-        let wide = [(-6.0, 6.0), (-0.5, 0.5)];
-        let of = |limits, angles, q: &dyn Fn(f64) -> f64| warnings(limits, angles, &column(q));
-        let whole = of(&wide[..1], Angles::Rad, &|k| k % 6.0);
-        says(whole, &["whole numbers", "give `angles` or"]);
-        assert_eq!(of(&wide[..1], Angles::Rad, &|k| k / 41.0), "");
-        let radians = of(&[(-2.0, 2.0)], Angles::Deg, &|k| (k / 20.0).to_radians());
-        says(radians, &["radians"]);
-    }
 
     /// A log of the joints without any rows yet.
     fn stamps(joints: &[&str]) -> Suspicions {
-        Suspicions::new("f", &dofs(joints), Angles::Rad)
+        Suspicions::new(&dofs(joints))
     }
 
     /// A row of a log.

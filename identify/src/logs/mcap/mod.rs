@@ -88,7 +88,6 @@ pub(super) struct McapSource {
     q: Vec<f64>,
     contacts: Contacts<Reading>,
     frames: Frames,
-    stillness: StillnessLimits,
     cutter: StillnessCutter<Reading>,
     /// Joints and readings, where the recording is one of a robot that moves.
     moving: Option<Moving<Reading>>,
@@ -172,7 +171,6 @@ impl McapSource {
             survey,
             contacts: Contacts::new(),
             frames: Frames::new(options),
-            stillness: limits_of(options.stays),
             cutter: StillnessCutter::new(limits_of(options.stays)),
             moving: None,
             ready: VecDeque::new(),
@@ -363,7 +361,7 @@ impl McapSource {
                     "no reading of the CoP lies between joint states that are at most \
                      {LONGEST_S} s apart"
                 ),
-                None => self.stillness.nothing(),
+                None => self.cutter.stillness.nothing(),
             });
         }
         let mut count = |count: u64, of: u64, what: &str| {

@@ -21,7 +21,7 @@ use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor};
 pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
 use super::input::{Metered, Place};
-use super::source::{Interner, Raw, RowSource, catch_panic, whole};
+use super::source::{Raw, RowSource, catch_panic, repeated, whole};
 use crate::{Error, Setting, message};
 
 /// A Parquet file being read.
@@ -42,7 +42,6 @@ pub(super) struct ParquetSource {
     hash: Option<u64>,
     /// Rows were passed over: nobody asks for the hash.
     passed: bool,
-    links: Interner,
 }
 
 /// Whether the footer is signed, as it is where columns are encrypted: it is whole without the 28
@@ -119,7 +118,6 @@ impl ParquetSource {
             done: 0,
             hash: None,
             passed: false,
-            links: Interner::default(),
         })
     }
 
@@ -194,7 +192,8 @@ impl ParquetSource {
                 self.complete(texts.len(), n)?;
                 for text in &texts {
                     let text = text.as_utf8().map_err(|e| self.broken(&e))?;
-                    raw.support.push(self.links.get(text.trim()));
+                    let link = repeated(raw.support.last(), text.trim());
+                    raw.support.push(link);
                 }
                 continue;
             }
