@@ -1,8 +1,14 @@
 //! When a whole log looks wrong; chosen, not calibrated.
 
-/// With fewer rows no unit is guessed. Chosen: with half as many a robot that stands still
+/// With fewer values no unit is guessed. Chosen: with half as many a robot that stands still
 /// has its unit guessed.
 pub const FEW: u64 = 20;
+/// An encoder may stand this far beyond its limit, rad. Chosen: 11°; half of it warns of stops
+/// that are set by hand.
+pub const SLACK: f64 = 0.2;
+/// The CoP of a foot is within its sole: typically further out than this, m, and it was hardly
+/// given in metres. Chosen: half of it warns of large soles.
+pub const SOLE: f64 = 0.5;
 /// Stamps are hardly in seconds where no joint ever moves faster than this part of its limit, in
 /// rows that follow each other smoothly. Chosen: 0.16°/s for a servo of 5.6 rad/s; twice as much
 /// doubts robots that creep.

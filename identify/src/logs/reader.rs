@@ -172,7 +172,7 @@ impl PostureReader {
         let mut assembler = Assembler::new(&file, columns, dofs, &sidecar, options)?;
         assembler.no_load = log.screen.is_some();
         Ok(PostureReader {
-            suspicions: Suspicions::new(dofs),
+            suspicions: Suspicions::new(&file, dofs, angles),
             source,
             factors,
             assembler,
@@ -322,9 +322,7 @@ impl PostureReader {
         }
         self.suspicions.see(&block);
         if block.len() < count && !std::mem::replace(&mut self.concluded, true) {
-            let said = self.suspicions.times();
-            let said = said.map(|said| format!("{}: {said}", self.assembler.file).into());
-            self.warnings.extend(said);
+            self.warnings.extend(self.suspicions.judge());
             let said = self.assembler.conclude(self.summary.rows)?;
             self.warnings.extend(said);
         }
