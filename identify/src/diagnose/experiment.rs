@@ -148,8 +148,10 @@ impl<'a, 'm> Trial<'a, 'm> {
         let blocks = self.here.blocks.iter().chain([&self.there]);
         let predicted = || fit.blocks.iter().chain([&new]);
         let values = blocks.zip(predicted()).flat_map(|(block, own)| {
-            let pairs = own.predicted.iter().zip(&block.weight);
-            pairs.map(|(value, weight)| value * weight)
+            let predicted = block.predicted(&own.residual).into_iter();
+            predicted
+                .zip(&block.weight)
+                .map(|(value, weight)| value * weight)
         });
         let slopes: Vec<_> = predicted().map(|own| own.slopes.as_view()).collect();
         let slopes = below(&slopes, fit.unknowns.len());

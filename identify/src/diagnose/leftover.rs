@@ -12,6 +12,7 @@ use sesc_model::effects::PostureContext;
 
 use super::criteria::{BINS, PER_BIN};
 use super::findings::Suspect;
+use super::outliers::Outliers;
 use super::problem::{Fit, Problem};
 use super::{criteria, held_out};
 use crate::feet::ClosureFound;
@@ -32,6 +33,8 @@ impl Misfit {
     pub(super) fn of(problem: &Problem, fit: &Fit) -> Misfit {
         let masses = problem.masses(&fit.terms);
         let shift = problem.mass_shift(fit);
+        let outliers = fit.outliers.iter().flat_map(Outliers::named);
+        let outliers: Vec<usize> = outliers.collect();
         let (mut chi2, mut rows) = (0.0, 0.0);
         let blocks = problem
             .blocks
@@ -39,14 +42,8 @@ impl Misfit {
             .zip(&fit.blocks)
             .zip(problem.readings());
         for (at, ((block, own), range)) in blocks.enumerate() {
-            let apart = match at {
-                0 => held_out::apart(problem, fit),
-                _ => {
-                    let flipped = |k| own.flipped.contains(&k);
-                    (0..block.data.len()).map(flipped).collect()
-                }
-            };
-            for (row, at) in range.enumerate().filter(|(row, _)| !apart[row / 2]) {
+            let is_apart = |k: usize| own.flipped.contains(&k) || at == 0 && outliers.contains(&k);
+            for (row, at) in range.enumerate().filter(|(row, _)| !is_apart(row / 2)) {
                 // Against the noise as it is, however few samples the rows are worth.
                 let left = (own.residual[row] - shift[at]) * block.widened[row % 2];
                 chi2 += left.powi(2);
@@ -71,21 +68,14 @@ impl Misfit {
     }
 }
 
-/// Residuals (whitened, without what masses take) of the postures that judge, each with its
-/// posture.
-fn residuals(problem: &Problem, fit: &Fit) -> Vec<(usize, [f64; 2])> {
-    let shift = problem.mass_shift(fit);
-    let apart = held_out::apart(problem, fit);
-    let postures = (0..apart.len()).filter(|&k| !apart[k]);
-    let left = |row: usize| fit.blocks[0].residual[row] - shift[row];
-    postures
-        .map(|k| (k, [left(2 * k), left(2 * k + 1)]))
-        .collect()
-}
-
 /// What the residual goes with, each with its share of the scatter, the strongest first.
 pub(super) fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
-    let residuals = residuals(problem, fit);
+    let (shift, apart) = (problem.mass_shift(fit), held_out::apart(problem, fit));
+    let left = |row: usize| fit.blocks[0].residual[row] - shift[row];
+    // Whitened, without what masses take, of the postures that judge.
+    let postures = (0..apart.len()).filter(|&k| !apart[k]);
+    let residuals = postures.map(|k| (k, [left(2 * k), left(2 * k + 1)]));
+    let residuals: Vec<(usize, [f64; 2])> = residuals.collect();
     let (data, layout) = (
         &problem.first().data,
         PostureContext::of(problem.first().context.robot),

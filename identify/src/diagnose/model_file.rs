@@ -253,13 +253,12 @@ fn stated(problem: &Problem, predicted: &[InFile], fit: Fit) -> Fit {
     // beside joints at rest: the file's own readings count.
     let on_blocks = state.there.iter_mut().zip(&contexts);
     for (((block, own), sides), (on, context)) in blocks().zip(on_blocks) {
-        let mut readings = on.predicted.to_vec();
+        let mut readings = block.predicted(&on.residual);
         for row in (0..readings.len()).filter(|row| !sides.flipped.contains(&(row / 2))) {
             readings[row] = block.of_cad(row, own.readings[row]);
         }
         *on = OnBlock {
             residual: Arc::new(block.residual(&readings)),
-            predicted: Arc::new(readings),
             sides: Some(block.sides_of(context)),
             flipped: sides.flipped.clone(),
             ..on.clone()

@@ -88,8 +88,6 @@ pub(super) struct Fit {
 /// What a hypothesis predicts of a block.
 #[derive(Debug, Clone)]
 pub(super) struct OnBlock {
-    /// Readings, CAD masses, m.
-    pub predicted: Arc<Vec<f64>>,
     /// Whitened residuals (reading − predicted)/σ.
     pub residual: Arc<DVector<f64>>,
     /// Whitened derivative of the readings by the unknowns of all blocks.

@@ -134,7 +134,7 @@ fn residual(
     let mut predicted = problem.predict(terms, unknowns, contexts, Some(&q));
     for ((on, block), rewire) in predicted.iter_mut().zip(&problem.blocks).zip(&rewires) {
         if let Some(tape) = rewire {
-            let readings = run_alone(tape, &on.predicted, block.data.len());
+            let readings = run_alone(tape, &block.predicted(&on.residual), block.data.len());
             on.residual = Arc::new(block.residual(&readings));
         }
     }

@@ -265,6 +265,13 @@ impl<'m> Block<'m> {
         })
     }
 
+    /// Readings that are predicted where these residuals are left, m.
+    pub(in crate::diagnose) fn predicted(&self, residual: &DVector<f64>) -> Vec<f64> {
+        let rows = 0..residual.len();
+        rows.map(|row| self.data.reading[row] - residual[row] / self.weight[row])
+            .collect()
+    }
+
     /// Rows per independent one, of the axis that has fewer.
     pub(in crate::diagnose) fn rows_per_sample(&self) -> f64 {
         self.widened[0].max(self.widened[1]).powi(2)
@@ -370,7 +377,6 @@ impl<'m> Block<'m> {
         let closed = self.closed(&own.terms, &given, q, posture_context);
         OnBlock {
             residual: Arc::new(self.residual(&predicted)),
-            predicted: Arc::new(predicted),
             slopes: Arc::new(own.by_unknowns(&slopes, count)),
             closed: closed.map(|closed| Closed {
                 slopes: own.by_unknowns(&closed.slopes, count),
