@@ -144,7 +144,7 @@ impl CsvSource {
             }
             let rest = &self.text[self.at..];
             row.text.resize(written + rest.len(), 0);
-            row.ends.resize(fields + self.header.len() + 64, 0);
+            row.ends.resize(fields + self.header.len() + 1, 0);
             let (text, ends) = (&mut row.text[written..], &mut row.ends[fields..]);
             let (result, read, more, count) = self.parser.read_record(rest, text, ends);
             self.at += read;

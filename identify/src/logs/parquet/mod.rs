@@ -1,23 +1,24 @@
 //! Parquet logs, as data frames write them: one column per name, numbers of
 //! any width, `support` as text. Timestamps are seconds since 1970, as those of tables.
 //!
-//! Memory: one page of each wanted column.
+//! Memory: one page of each wanted column, and what files claim is held against their
+//! bytes (`limits`).
 
+mod limits;
 mod sink;
 
 use std::fs::File;
 use std::io;
+use std::sync::Arc;
 
-use bytes::Bytes;
 use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as Physical};
-use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
-use parquet::file::metadata::ParquetMetaDataReader;
-use parquet::file::reader::{ChunkReader, FileReader};
-use parquet::file::serialized_reader::SerializedFileReader;
+use parquet::file::metadata::ParquetMetaData;
 use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor};
 
+use self::limits::{ENCRYPTED, Input};
 pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
 use super::input::{Metered, Place};
@@ -28,7 +29,8 @@ use crate::{Error, Setting, message};
 pub(super) struct ParquetSource {
     file: String,
     place: Place,
-    reader: Box<dyn FileReader>,
+    input: Input,
+    footer: ParquetMetaData,
     header: Vec<String>,
     /// Row groups that were opened.
     groups: usize,
@@ -44,78 +46,48 @@ pub(super) struct ParquetSource {
     passed: bool,
 }
 
-/// Whether the footer is signed, as it is where columns are encrypted: it is whole without the 28
-/// bytes of the signature behind it.
-fn is_signed(input: &impl ChunkReader) -> Option<bool> {
-    let end = input.len().checked_sub(8)?;
-    let size = input.get_bytes(end, 4).ok()?;
-    let size = u32::from_le_bytes(size[..].try_into().ok()?);
-    let start = end.checked_sub(u64::from(size))?;
-    let footer = input.get_bytes(start, size.checked_sub(28)? as usize);
-    Some(ParquetMetaDataReader::decode_metadata(&footer.ok()?).is_ok())
-}
-
-/// Read the footer of a file.
-///
-/// # Errors
-/// What the library finds, and claims that a file of this length cannot hold: rows of a constant
-/// take next to no bytes, and are made one by one.
-fn opened(input: impl ChunkReader + 'static) -> Result<Box<dyn FileReader>, ParquetError> {
-    let refused = |said: String| Err(ParquetError::General(said));
-    let length = input.len();
-    if guarded(|| Ok(is_signed(&input)))?.unwrap_or(false) {
-        return refused("encrypted columns".to_string());
-    }
-    let reader = guarded(|| SerializedFileReader::new(input))?;
-    let sum = |claims: &mut dyn Iterator<Item = i64>| {
-        claims.fold(0, |sum: u64, n| sum.saturating_add(n.max(0) as u64))
-    };
-    let groups = reader.metadata().row_groups().iter();
-    let rows = sum(&mut groups.clone().map(|group| group.num_rows()));
-    let packed = sum(&mut groups
-        .flat_map(|group| group.columns())
-        .map(|own| own.compressed_size()));
-    if rows > 1_000_000_u64.saturating_add(length.saturating_mul(1000)) {
-        return refused(format!("it claims {rows} rows in {length} bytes"));
-    } else if packed > length {
-        return refused(format!("its columns claim {packed} bytes of {length}"));
-    }
-    Ok(Box::new(reader))
-}
-
 impl ParquetSource {
     /// Read the columns' names; `file` names the log in messages.
     pub fn open(place: &Place, file: &str) -> Result<ParquetSource, Error> {
-        let unread = |source| Error::read(file.to_string(), source);
-        let reader = match place {
-            Place::File(path) => opened(File::open(path).map_err(unread)?),
-            Place::Bytes(bytes) => opened(Bytes::from_owner(bytes.clone())),
-            Place::Stream(_) | Place::Table(_) => {
-                return Err(unread(io::ErrorKind::Unsupported.into()));
+        let input = match place {
+            Place::File(path) => File::open(path).map(|file| Input::File(Arc::new(file))),
+            Place::Bytes(bytes) => {
+                let bytes = bytes::Bytes::from_owner(bytes.clone());
+                Ok(Input::Memory(Arc::new(bytes)))
             }
+            Place::Stream(_) | Place::Table(_) => Err(io::ErrorKind::Unsupported.into()),
         };
-        let reader = reader.map_err(|error| damaged(file, None, &error))?;
-        let about = reader.metadata();
-        let columns = about.file_metadata().schema_descr().columns().iter();
-        let names = columns.map(|column| match column.path().string() {
-            // The row labels of a data frame.
-            index if index.starts_with("__index_level_") => match unit(column) {
-                Some(_) => "timestamp".to_string(),
-                None => String::new(),
-            },
-            name => name.trim().to_string(),
-        });
-        let rows = about.row_groups().iter().map(|group| group.num_rows());
+        let input = input.map_err(|source| Error::read(file.to_string(), source))?;
+        let footer = guarded(|| input.footer()).map_err(|error| damaged(file, None, &error))?;
+        let about = footer.file_metadata();
+        let header: Vec<String> = about
+            .schema_descr()
+            .columns()
+            .iter()
+            .map(|column| match column.path().string() {
+                // The row labels of a data frame.
+                index if index.starts_with("__index_level_") => match unit(column) {
+                    Some(_) => "timestamp".to_string(),
+                    None => String::new(),
+                },
+                name => name.trim().to_string(),
+            })
+            .collect();
+        let rows = footer.row_groups().iter();
+        let total = rows
+            .map(|group| u64::try_from(group.num_rows()).unwrap_or(0))
+            .fold(0u64, u64::saturating_add);
         Ok(ParquetSource {
             file: file.to_string(),
             place: place.clone(),
-            header: names.collect(),
-            total: rows.map(|rows| rows.max(0) as u64).sum(),
-            reader,
+            input,
+            footer,
+            header,
             groups: 0,
             open: Vec::new(),
             left: 0,
             done: 0,
+            total,
             hash: None,
             passed: false,
         })
@@ -125,21 +97,25 @@ impl ParquetSource {
     /// false after the last.
     fn next_group(&mut self, columns: &Columns) -> Result<bool, Error> {
         while self.left == 0 {
-            if self.groups == self.reader.num_row_groups() {
+            let Some(group) = self.footer.row_groups().get(self.groups) else {
                 return Ok(false);
+            };
+            self.groups += 1;
+            // The chunks of an empty group have no pages to look at.
+            if group.num_rows() == 0 {
+                continue;
             }
             let open = guarded(|| {
-                let group = self.reader.get_row_group(self.groups)?;
+                let rows = usize::try_from(group.num_rows())?;
                 let wanted = columns.numbers.iter().copied();
                 let wanted = wanted.chain(columns.pose).chain(columns.support);
-                let rows = u64::try_from(group.metadata().num_rows())?;
-                // The chunks of an empty group have no pages to look at.
-                let wanted = wanted.filter(|_| rows > 0);
-                let open = wanted.map(|k| group.get_column_reader(k));
-                Ok((rows, open.collect::<Result<Vec<_>, ParquetError>>()?))
+                let open = wanted.map(|k| {
+                    let pages = self.input.pages(group.column(k), rows)?;
+                    Ok(get_column_reader(self.column(k), pages))
+                });
+                Ok((rows as u64, open.collect::<Result<Vec<_>, ParquetError>>()?))
             });
             (self.left, self.open) = open.map_err(|error| self.broken(&error))?;
-            self.groups += 1;
         }
         Ok(true)
     }
@@ -171,11 +147,7 @@ impl ParquetSource {
     }
 
     fn column(&self, k: usize) -> ColumnDescPtr {
-        self.reader
-            .metadata()
-            .file_metadata()
-            .schema_descr()
-            .column(k)
+        self.footer.file_metadata().schema_descr().column(k)
     }
 
     /// Read `n` rows that the open group still has.
@@ -293,7 +265,7 @@ fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
         ]
     } else if said.contains("compile time") {
         format!("packed in a way that cannot be read ({said}); write it with snappy").into()
-    } else if said.contains("encrypted") {
+    } else if said.contains(ENCRYPTED) {
         "the Parquet file is encrypted; decrypt it first".into()
     } else {
         let said = said.trim_start_matches("External: ");
