@@ -362,12 +362,12 @@ pub(super) fn known(request: &Request, watch: &mut dyn Watch) -> Result<(f64, Op
     let (robot, model) = (&request.robot, &request.model);
     let links = robot.description.link_names();
     let options = Options {
-            readings: Readings::Required,
-            links: links.map(str::to_string).collect(),
-            support: Some(model.support().to_string()),
-            soles: Some(Places::of(robot, Snapping::default())),
-            both_feet: request.feet.said(),
-            ..Options::default()
+        readings: Readings::Required,
+        links: links.map(str::to_string).collect(),
+        support: Some(model.support().to_string()),
+        soles: Some(Places::of(robot, Snapping::default())),
+        both_feet: request.feet.said(),
+        ..Options::default()
     };
     let samples = Samples::read(log, &robot.description, &options, ROOM, watch)?;
     let data = Postures::read(&samples, model, (None, 0.0), watch)?;

@@ -67,7 +67,10 @@ fn change(problem: &Problem, best: &Fit, at: usize) -> Option<Vec<f64>> {
         Term::Effect(_) => {}
         Term::Masses => {
             let shift = problem.mass_shift(best);
-            let metres = shift.iter().zip(&problem.first().weight).map(|(s, w)| s / w);
+            let metres = shift
+                .iter()
+                .zip(&problem.first().weight)
+                .map(|(s, w)| s / w);
             return Some(metres.collect());
         }
         Term::Outliers => return None,
@@ -83,9 +86,10 @@ fn change(problem: &Problem, best: &Fit, at: usize) -> Option<Vec<f64>> {
     let posture_context = problem.posture_contexts(Some(best)).swap_remove(0);
     // Values come with their derivatives by the unknowns.
     let readings = |terms: &[Term], unknowns: &[f64]| -> Vec<f64> {
-        let out = problem
-            .first()
-            .evaluate(terms, unknowns, &problem.first().data.q, &posture_context);
+        let out =
+            problem
+                .first()
+                .evaluate(terms, unknowns, &problem.first().data.q, &posture_context);
         out.into_iter().step_by(1 + unknowns.len()).collect()
     };
     let (with, without) = (
