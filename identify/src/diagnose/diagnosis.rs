@@ -9,10 +9,10 @@ use sesc_model::effects::Unit;
 use super::com_spread;
 use super::criteria;
 use super::findings::{
-    About, ActsOn, Blind, Diagnosis, Explained, Last, Leftover, Member, ModelOnLog, NextPostures,
-    Quantity, Step, Suspect, Verdict,
+    About, ActsOn, Blind, Diagnosis, Explained, HeldOut, Last, Leftover, Member, ModelOnLog,
+    NextPostures, Quantity, Step, Suspect, Verdict,
 };
-use super::held_out::{self, HeldOut};
+use super::held_out;
 use super::hypothesis::Term;
 use super::leftover::{Misfit, closure_found, is_open, suspects};
 use super::model_file::settle;

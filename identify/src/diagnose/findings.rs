@@ -4,15 +4,10 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::Serialize;
-use sesc_model::ModelFile;
 use sesc_model::effects::{EffectContext, Fitted, Target};
 
-use super::experiment::NextLog;
-use super::held_out::HeldOut;
 use super::hypothesis::{FREE_MASSES, Term};
 use super::problem::Fit;
-use super::remedy::CorrectedUrdf;
-use super::view::DiagnosisView;
 use crate::NextStep;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
@@ -500,28 +495,14 @@ impl Diagnosis {
     }
 }
 
-/// Everything that was found.
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct Report {
-    /// What was found, as it is printed.
-    pub diagnosis: Diagnosis,
-    /// Parameters and effects, for predictions and generated code.
-    pub model_file: ModelFile,
-    /// Where it was wanted.
-    pub corrected_urdf: Option<CorrectedUrdf>,
-    /// Whether masses are part of the explanation: those of a corrected URDF then move within
-    /// the usual tolerances, else within those of the request.
-    pub frees_masses: bool,
-    /// What of the explanation belongs to the log alone, a sentence each.
-    pub of_the_log: Vec<String>,
-    /// Where it was wanted.
-    #[doc(hidden)]
-    pub view: Option<DiagnosisView>,
-    /// Postures of the experiment that would tell most, if one would tell explanations apart.
-    pub next: Option<NextLog>,
-    /// What is to be known of the robot.
-    pub notes: Vec<String>,
+/// Errors of predicted readings, m; outliers, and postures that a dead band
+/// leaves on the side that gravity does not favour, are counted apart.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct HeldOut {
+    pub gap: Gap,
+    /// reading − prediction per entry; NaN where left out.
+    pub errors: Vec<f64>,
+    pub left_out: usize,
 }
 
 /// A diagnosis with what reports, models and experiments are made from.

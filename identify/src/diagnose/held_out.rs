@@ -3,20 +3,10 @@
 use super::hypothesis::Term;
 
 use super::criteria;
-use super::findings::Gap;
+use super::findings::{Gap, HeldOut};
 use super::problem::{Fit, Problem};
 use crate::observations::correlation::step;
 use crate::observations::postures::rms;
-
-/// Errors of predicted readings, m; outliers, and postures that a dead band
-/// leaves on the side that gravity does not favour, are counted apart.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct HeldOut {
-    pub gap: Gap,
-    /// reading − prediction per entry; NaN where left out.
-    pub errors: Vec<f64>,
-    pub left_out: usize,
-}
 
 /// Part that each posture is held out with: stretches of a log in time, several times as
 /// long as noise lasts; of a log without times every 20th posture. Visits of a posture are held

@@ -38,9 +38,9 @@ pub use criteria::{CLASS_SCORE, FLOOR_M, OVER_NOTHING};
 pub use experiment::NextLog;
 pub use findings::{
     ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Gap, Last, Leftover, Member, ModelOnLog,
-    NextPostures, Quantity, Remedy, Report, Step, Suspect, UrdfChange, Verdict,
+    NextPostures, Quantity, Remedy, Step, Suspect, UrdfChange, Verdict,
 };
 pub(crate) use hypothesis::FREE_MASSES;
 #[doc(hidden)]
 pub use hypothesis::{MODEL_PAGES, subject};
-pub use request::{Request, diagnose, look};
+pub use request::{Report, Request, diagnose, look};

@@ -15,10 +15,11 @@ use std::sync::Arc;
 use sesc_model::effects::{Catalog, Experiment};
 use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
-use super::findings::{About, Explained, NextPostures, Report, Verdict};
+use super::experiment::NextLog;
+use super::findings::{About, Diagnosis, Explained, NextPostures, Verdict};
 use super::model_file::{model_file, on_log};
 use super::problem::{Block, Problem, soles_of};
-use super::remedy::{self, Servo};
+use super::remedy::{self, CorrectedUrdf, Servo};
 use super::view::DiagnosisView;
 use super::{experiment, motion, noise, samples, verdict};
 use crate::feet::{Feet, Places};
@@ -111,6 +112,30 @@ impl Request {
             view: false,
         }
     }
+}
+
+/// Everything that was found.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Report {
+    /// What was found, as it is printed.
+    pub diagnosis: Diagnosis,
+    /// Parameters and effects, for predictions and generated code.
+    pub model_file: ModelFile,
+    /// Where it was wanted.
+    pub corrected_urdf: Option<CorrectedUrdf>,
+    /// Whether masses are part of the explanation: those of a corrected URDF then move within
+    /// the usual tolerances, else within those of the request.
+    pub frees_masses: bool,
+    /// What of the explanation belongs to the log alone, a sentence each.
+    pub of_the_log: Vec<String>,
+    /// Where it was wanted.
+    #[doc(hidden)]
+    pub view: Option<DiagnosisView>,
+    /// Postures of the experiment that would tell most, if one would tell explanations apart.
+    pub next: Option<NextLog>,
+    /// What is to be known of the robot.
+    pub notes: Vec<String>,
 }
 
 /// A hash of joint positions and readings: the same for a log under another name, packed, or

@@ -34,7 +34,7 @@ use super::columns::{Columns, POSE};
 use super::names::{list, short};
 use super::settings::{Options, Sidecar, check_gravity};
 use super::source::{MISSING, Raw};
-use crate::{Error, Message};
+use crate::{Error, Message, Setting, message};
 
 /// Makes blocks of raw rows.
 pub(super) struct Assembler {
@@ -137,20 +137,34 @@ impl Assembler {
         self.fill_unused(raw);
         let rows = typical_run(&raw.pose).max(1) as f64;
         self.shrink = (rows / self.readings_per_pose as f64).min(1.0).sqrt();
+        let Some(k) = self.columns.cop else {
+            return Ok(());
+        };
+        let line = raw.line.first().copied();
+        let far = self.typical(raw, k);
         // In no unit is that the CoP of a robot: one that is wrong by a thousand is an effect.
         let most = if self.any_unit { 1e4 } else { 2.0 };
-        let far = self.columns.cop.and_then(|k| self.typical(raw, k));
-        match far.filter(|far| *far > most) {
-            None => Ok(()),
-            Some(far) => {
-                let message = format!(
-                    "columns `cop_x`, `cop_y`: the CoP is typically {} m from the origin of the \
-                     sole; give metres, not millimetres",
-                    three_digits(far)
-                );
-                Err(self.fault(raw.line.first().copied(), message))
-            }
+        if let Some(typical) = far.filter(|far| *far > most) {
+            let message = format!(
+                "columns `cop_x`, `cop_y`: the CoP is typically {} m from the origin of the \
+                 sole; give metres, not millimetres",
+                three_digits(typical)
+            );
+            return Err(self.fault(line, message));
         }
+        // In a log in millimetres deviations are, too: the unit is found from its readings.
+        if far.is_some_and(|far| far <= 2.0)
+            && let Some(k) = self.columns.cop_std
+            && let Some(std) = self.typical(raw, k).filter(|std| *std > 0.1)
+        {
+            let said = format!(
+                "columns `cop_x_std`, `cop_y_std`: a reading is typically known to {} m, more than \
+                 a sole; give metres, not millimetres, or leave out the columns and give ",
+                three_digits(std)
+            );
+            return Err(self.fault(line, message![said, Setting::Noise]));
+        }
+        Ok(())
     }
 
     /// Optional columns without a value.

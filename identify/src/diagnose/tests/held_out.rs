@@ -7,7 +7,7 @@ use crate::logs::{LogSource, Options, ROOM, Samples};
 use crate::observations::postures::Postures;
 
 /// Cross-validated errors with the effects named, none where there are none.
-fn errors(problem: &Problem, effects: &[(&str, &str)]) -> crate::diagnose::held_out::HeldOut {
+fn errors(problem: &Problem, effects: &[(&str, &str)]) -> crate::diagnose::findings::HeldOut {
     let terms: Vec<_> = effects
         .iter()
         .map(|(effect, target)| term(problem, effect, target))
