@@ -4,6 +4,7 @@
 
 use std::hint::black_box;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -12,12 +13,9 @@ use nalgebra::{DMatrix, DVector};
 use sesc::OP2_URDF;
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::fit::Gathered;
-use sesc_identify::fit::Logs;
 use sesc_identify::fit::prior::Prior;
-use sesc_identify::fit::{MotionModel, Settings, identify};
-use sesc_identify::logs::{
-    Block, LogSource, Options, PostureWriter, Readings, Row, Sidecar, Written,
-};
+use sesc_identify::fit::{MotionModel, Request, Settings, identify};
+use sesc_identify::logs::{Block, LogSource, PostureWriter, Row, Sidecar, Written};
 use sesc_identify::lsq::Factor;
 use sesc_identify::lsq::solve;
 use sesc_identify::observations::Measurement;
@@ -100,22 +98,16 @@ fn parquet(model: &Model, log: &[Block], count: usize) -> PathBuf {
     path
 }
 
-fn from_file(robot: &Robot, path: PathBuf) -> f64 {
-    let files = [path];
-    let mut options = Options::default();
-    options.readings = Readings::Required;
-    let logs = Logs {
-        robot,
-        files: &files.map(LogSource::from),
-        options,
-        support: None,
-        snapping: Snapping::default(),
-        folds: 10,
-        one_noise: false,
-        motion: MotionModel::Off,
-    };
-    let (measurement, gathered) = logs.gather(None, &|_| Ok(Prior::Free), &mut ()).unwrap();
-    identify(measurement.model(), &[SUPPORT], &gathered, &settings()).held_out_rmse
+fn from_file(robot: &Arc<Robot>, path: PathBuf) -> f64 {
+    let mut request = Request::default();
+    request.robot = Some(Arc::clone(robot));
+    request.logs = vec![LogSource::from(path)];
+    request.prior = Prior::Free.into();
+    request.motion = MotionModel::Off;
+    sesc_identify::fit::fit(&request, &mut ())
+        .unwrap()
+        .identification
+        .held_out_rmse
 }
 
 /// All rows as one matrix.
@@ -159,7 +151,7 @@ fn rows(c: &mut Criterion) {
 }
 
 fn whole(c: &mut Criterion) {
-    let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
+    let robot = Arc::new(Robot::parse(OP2_URDF, "op2.urdf").unwrap());
     let model = robot.model(SUPPORT, Snapping::default(), None).unwrap();
     for count in [1_000, 100_000, 1_000_000] {
         let data = log(&model, count);

@@ -13,6 +13,7 @@ use sesc_generated::op2_r_sole::{self as op2, CAD_PARAMS, DOF};
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::{Robot, Stance};
 use sesc_model::Function;
+use sesc_model::tape::Values;
 
 /// The functions that Python has, by its names.
 const FUNCTIONS: [(&str, Function); 9] = [
@@ -52,12 +53,12 @@ fn main() {
             for q in q.chunks_exact(model.dof()).take(few) {
                 // Velocities and accelerations for those that take them.
                 let q = black_box(q);
-                evaluator.run_moving_into(q, q, q, 1, &mut out);
+                evaluator.run_moving_into(q, [Values::PerPosture(q); 2], 1, &mut out);
             }
         });
         let batch = least(repeats, || {
             let q = black_box(&q[..]);
-            evaluator.run_moving_into(q, q, q, postures, &mut out)
+            evaluator.run_moving_into(q, [Values::PerPosture(q); 2], postures, &mut out)
         });
         println!(
             "{name:<20} {:>10.1} {:>10.1}",

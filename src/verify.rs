@@ -121,7 +121,7 @@ pub fn verify(
     let mut settled = true;
     let reach = model.reach().max(model.extent()).max(LEAST_REACH_M);
     let joints = JointMotion::of(model);
-    let functions = functions(model, bent.as_ref(), &joints, reach);
+    let functions = functions(model, bent.as_ref(), reach);
     let mut worst: BTreeMap<String, f64> = BTreeMap::new();
     let named = || {
         functions

@@ -23,6 +23,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF as _, Normal};
 
 use crate::Error;
 use crate::diagnose::subject;
+use crate::fit::fitted::inverse;
+use crate::svd::symmetric_eigen;
 
 /// A difference that chance makes more often than this is none. Chosen: it is the rate of false
 /// alarms itself (closed form).
@@ -45,6 +47,22 @@ pub struct Difference {
     pub std: Option<f64>,
     /// The difference in standard deviations.
     pub deviations: Option<f64>,
+}
+
+impl Difference {
+    fn new(name: &str, values: [Option<f64>; 2], std: Option<f64>) -> Difference {
+        let [before, after] = values;
+        let gap = before.zip(after).map(|(a, b)| (b - a).abs());
+        // A gap of nothing is none, whatever its deviation.
+        let deviations = |(gap, std): (f64, f64)| if gap == 0.0 { 0.0 } else { gap / std };
+        Difference {
+            name: name.to_string(),
+            before,
+            after,
+            std,
+            deviations: gap.zip(std).map(deviations),
+        }
+    }
 }
 
 /// What became of an effect.
@@ -191,62 +209,33 @@ fn masses(before: &ModelFile, after: &ModelFile) -> (Vec<Difference>, Vec<f64>) 
     let places = before.parameters.iter().filter_map(|p| of(&p.name));
     let places: Vec<usize> = places.collect();
     let (a, b) = (covariance(before), covariance(after));
-    let known: Vec<usize> = (0..n)
-        .filter(|&k| a[(k, k)].is_finite() && b[(places[k], places[k])].is_finite())
-        .collect();
-    let gap = |k: usize| after.parameters[places[k]].value - before.parameters[k].value;
-    let differences = (0..n)
-        .map(|k| {
-            let variance = a[(k, k)] + b[(places[k], places[k])];
-            let std = Some(variance.sqrt()).filter(|std| std.is_finite());
-            Difference {
-                name: before.parameters[k].name.clone(),
-                before: Some(before.parameters[k].value),
-                after: Some(after.parameters[places[k]].value),
-                std,
-                deviations: std.map(|std| deviations(gap(k), std)),
-            }
-        })
-        .collect();
-    let covariance = DMatrix::from_fn(known.len(), known.len(), |i, k| {
-        let (i, k) = (known[i], known[k]);
-        a[(i, k)] + b[(places[i], places[k])]
-    });
-    let gap = DVector::from_iterator(known.len(), known.iter().map(|&k| gap(k)));
-    (differences, squares(covariance, &gap))
-}
-
-/// |gap| in deviations; a gap of nothing is none, whatever its deviation.
-fn deviations(gap: f64, std: f64) -> f64 {
-    if gap == 0.0 { 0.0 } else { gap.abs() / std }
+    let total = DMatrix::from_fn(n, n, |i, k| a[(i, k)] + b[(places[i], places[k])]);
+    let difference = |k: usize| {
+        let (old, new) = (&before.parameters[k], &after.parameters[places[k]]);
+        let std = Some(total[(k, k)].sqrt()).filter(|std| std.is_finite());
+        Difference::new(&old.name, [old.value, new.value].map(Some), std)
+    };
+    let differences = (0..n).map(difference).collect();
+    let known: Vec<usize> = (0..n).filter(|&k| total[(k, k)].is_finite()).collect();
+    let gap = |&k: &usize| after.parameters[places[k]].value - before.parameters[k].value;
+    let gap = DVector::from_iterator(known.len(), known.iter().map(gap));
+    let total = total.select_rows(&known).select_columns(&known);
+    (differences, squares(total, &gap))
 }
 
 /// Covariance of a file's base parameters; infinite where it gives no deviation.
 fn covariance(file: &ModelFile) -> DMatrix<f64> {
     let n = file.parameters.len();
-    let mut found = DMatrix::zeros(n, n);
     let factor = file.information.as_ref().map(|i| &i.factor);
     let Some(factor) = factor.filter(|factor| factor.len() == n) else {
         let variances = file.parameters.iter().map(|p| p.std);
         let variances = variances.map(|std| std.map_or(f64::INFINITY, |std| std * std));
-        found.set_diagonal(&DVector::from_iterator(n, variances));
-        return found;
+        return DMatrix::from_diagonal(&DVector::from_iterator(n, variances));
     };
-    // Rows of zeros know nothing of their parameter: the others are taken given it.
-    let known: Vec<usize> = (0..n).filter(|&k| factor[k][0] > 0.0).collect();
-    let m = known.len();
-    let triangle = DMatrix::from_fn(m, m, |i, k| {
-        let at = known[k].checked_sub(known[i]);
-        at.map_or(0.0, |at| factor[known[i]][at])
-    });
-    let inverse = triangle.solve_upper_triangular(&DMatrix::identity(m, m));
-    let inverse = inverse.unwrap_or_else(|| DMatrix::from_element(m, m, f64::INFINITY));
-    let covariance = &inverse * inverse.transpose();
-    found.fill_diagonal(f64::INFINITY);
-    for (i, &row) in known.iter().enumerate() {
-        for (k, &column) in known.iter().enumerate() {
-            found[(row, column)] = covariance[(i, k)];
-        }
+    let inverse = inverse(factor);
+    let mut found = &inverse * inverse.transpose();
+    for k in (0..n).filter(|&k| factor[k][0] <= 0.0) {
+        found[(k, k)] = f64::INFINITY;
     }
     found
 }
@@ -256,10 +245,7 @@ fn squares(covariance: DMatrix<f64>, gap: &DVector<f64>) -> Vec<f64> {
     if gap.is_empty() {
         return Vec::new();
     }
-    // Rounds are bounded: what does not converge is left out.
-    let Some(axes) = covariance.try_symmetric_eigen(f64::EPSILON, 10_000) else {
-        return Vec::new();
-    };
+    let axes = symmetric_eigen(covariance);
     let largest = axes.eigenvalues.max();
     let mut order: Vec<usize> = (0..gap.len()).collect();
     order.sort_by(|i, k| axes.eigenvalues[*i].total_cmp(&axes.eigenvalues[*k]));
@@ -288,52 +274,45 @@ fn chance(squares: &[f64]) -> Option<f64> {
 }
 
 fn effects(before: &ModelFile, after: &ModelFile) -> Vec<EffectChange> {
-    let is = |a: &EffectRecord, b: &EffectRecord| a.effect == b.effect && a.target == b.target;
-    let mut found: Vec<EffectChange> = Vec::new();
-    for old in &before.effects {
-        let new = after.effects.iter().find(|new| is(old, new));
-        found.push(effect(Some(old), new));
-    }
-    for new in &after.effects {
-        if !before.effects.iter().any(|old| is(old, new)) {
-            found.push(effect(None, Some(new)));
-        }
-    }
-    found
+    let of = |file: &'_ ModelFile, own: &EffectRecord| {
+        let is =
+            |record: &&EffectRecord| record.effect == own.effect && record.target == own.target;
+        file.effects.iter().find(is).cloned()
+    };
+    let fresh = after.effects.iter().filter(|new| of(before, new).is_none());
+    let all = before.effects.iter().chain(fresh);
+    all.map(|own| effect(own, of(before, own).as_ref(), of(after, own).as_ref()))
+        .collect()
 }
 
-fn effect(old: Option<&EffectRecord>, new: Option<&EffectRecord>) -> EffectChange {
+/// What became of an effect, of which `own` is a record.
+fn effect(
+    own: &EffectRecord,
+    old: Option<&EffectRecord>,
+    new: Option<&EffectRecord>,
+) -> EffectChange {
     let of = |record: Option<&EffectRecord>, name: &str| {
         record.and_then(|record| record.parameters.get(name).copied())
     };
-    let both = || old.into_iter().chain(new);
-    let names: BTreeSet<&String> = both().flat_map(|r| r.parameters.keys()).collect();
-    let parameters: Vec<Difference> = names
-        .into_iter()
-        .map(|name| {
-            let (a, b) = (of(old, name), of(new, name));
-            let gap = a.zip(b).map(|(a, b)| b.value - a.value);
-            let std = match (a, b) {
-                (Some(a), Some(b)) => a.std.zip(b.std).map(|(a, b)| a.hypot(b)),
-                (one, other) => one.or(other).and_then(|only| only.std),
-            };
-            Difference {
-                name: name.clone(),
-                before: a.map(|a| a.value),
-                after: b.map(|b| b.value),
-                std,
-                deviations: gap.zip(std).map(|(gap, std)| deviations(gap, std)),
-            }
-        })
-        .collect();
+    let both = old.into_iter().chain(new);
+    let names: BTreeSet<&String> = both.flat_map(|r| r.parameters.keys()).collect();
+    let difference = |name: &String| {
+        let (a, b) = (of(old, name), of(new, name));
+        let std = match (a, b) {
+            (Some(a), Some(b)) => a.std.zip(b.std).map(|(a, b)| a.hypot(b)),
+            (one, other) => one.or(other).and_then(|only| only.std),
+        };
+        Difference::new(name, [a, b].map(|x| x.map(|x| x.value)), std)
+    };
+    let parameters: Vec<Difference> = names.into_iter().map(difference).collect();
     let change = match (old, new) {
         (None, _) => Change::Appeared,
         (_, None) => Change::Gone,
         _ => change(&parameters),
     };
     EffectChange {
-        effect: both().take(1).map(|r| r.effect.as_str()).collect(),
-        target: both().take(1).map(|r| r.target.as_str()).collect(),
+        effect: own.effect.clone(),
+        target: own.target.clone(),
         change,
         parameters,
     }

@@ -44,10 +44,10 @@ pub struct Evaluator {
     operations: usize,
     /// Which joints are prismatic: `_sc` functions take their positions as they are.
     prismatic: Vec<bool>,
-    /// Joint velocities, rad/s or m/s, of a function that takes them.
-    velocities: Option<Vec<f64>>,
-    /// Joint accelerations, rad/s² or m/s², of a function that takes them.
-    accelerations: Option<Vec<f64>>,
+    /// Whether the function takes velocities of joints, and accelerations.
+    moving: [bool; 2],
+    /// Those of joints that stand.
+    still: Vec<f64>,
     params: Option<Vec<f64>>,
     kernels: Kernels,
 }
@@ -87,35 +87,7 @@ impl Evaluator {
         given: Given,
         params: Vec<f64>,
     ) -> Evaluator {
-        let params = function.takes_parameters().then_some(params);
         let takes = |argument| function.arguments(given).contains(&argument);
-        let still = |argument| takes(argument).then(|| vec![0.0; model.dof()]);
-        Evaluator {
-            velocities: still(Argument::Velocities),
-            accelerations: still(Argument::Accelerations),
-            ..Evaluator::of(model, program, given, params)
-        }
-    }
-
-    /// With all joints moving at `velocities` (rad/s or m/s) and `accelerations` (rad/s² or
-    /// m/s²), where the function takes them.
-    pub fn moving(mut self, velocities: &[f64], accelerations: &[f64]) -> Evaluator {
-        if let Some(own) = &mut self.velocities {
-            own.copy_from_slice(velocities);
-        }
-        if let Some(own) = &mut self.accelerations {
-            own.copy_from_slice(accelerations);
-        }
-        self
-    }
-
-    /// Prepare any program of what is `given`, and of `params` if it takes them.
-    pub fn of(
-        model: &Model,
-        program: &Program,
-        given: Given,
-        params: Option<Vec<f64>>,
-    ) -> Evaluator {
         let counts = program.counts();
         let arithmetic = counts.mul + counts.add + counts.neg + counts.angle;
         Evaluator {
@@ -124,9 +96,9 @@ impl Evaluator {
             entries: program.inputs.first().map_or(0, |array| array.len),
             operations: arithmetic + LONG_OPERATION * (counts.sin_cos + counts.other),
             prismatic: model.tree.dofs.iter().map(|dof| dof.prismatic).collect(),
-            velocities: None,
-            accelerations: None,
-            params,
+            moving: [Argument::Velocities, Argument::Accelerations].map(takes),
+            still: vec![0.0; model.dof()],
+            params: function.takes_parameters().then_some(params),
             kernels: PORTABLE,
         }
     }
@@ -139,27 +111,34 @@ impl Evaluator {
         }
     }
 
+    /// Directions that the function is evaluated along.
+    fn directions(&self) -> usize {
+        match self.given {
+            Given::Positions | Given::SinesCosines => 1,
+            Given::Direction => AXES.len(),
+        }
+    }
+
     /// Values per posture.
     pub fn width(&self) -> usize {
-        match self.given {
-            Given::Positions | Given::SinesCosines => self.tape.outputs(),
-            Given::Direction => AXES.len() * self.tape.outputs(),
-        }
+        self.directions() * self.tape.outputs()
     }
 
     /// Cost of a posture, in additions: it says whether a batch is worth a thread, and no more.
     pub fn operations(&self) -> usize {
-        match self.given {
-            Given::Positions | Given::SinesCosines => self.operations,
-            Given::Direction => AXES.len() * self.operations,
-        }
+        self.directions() * self.operations
     }
 
     /// Evaluate `postures` postures, `q[posture * dof + joint]`, row by row. What takes no
     /// posture, [`Function::CorrectCop`], takes its readings, `q[reading * 2 + axis]`.
     pub fn run(&self, q: &[f64], postures: usize) -> Vec<f64> {
+        self.run_moving(q, [Values::Shared(&self.still); 2], postures)
+    }
+
+    /// The same of joints that move, as [`run_moving_into`](Self::run_moving_into) takes it.
+    pub fn run_moving(&self, q: &[f64], motion: [Values; 2], postures: usize) -> Vec<f64> {
         let mut out = vec![0.0; postures * self.width()];
-        self.run_into(q, postures, &mut out);
+        self.run_moving_into(q, motion, postures, &mut out);
         out
     }
 
@@ -168,47 +147,35 @@ impl Evaluator {
     /// # Panics
     /// Where `q` or `out` is too short.
     pub fn run_into(&self, q: &[f64], postures: usize, out: &mut [f64]) {
-        let velocities = self.velocities.as_deref().map(Values::Shared);
-        let accelerations = self.accelerations.as_deref().map(Values::Shared);
-        self.run_as(q, [velocities, accelerations], postures, out);
+        self.run_moving_into(q, [Values::Shared(&self.still); 2], postures, out);
     }
 
-    /// The same with velocities and accelerations of every posture, where the function takes
-    /// them: `velocities[posture * dof + joint]`, rad/s or m/s, and rad/s² or m/s².
+    /// The same with velocities and accelerations, where the function takes them: rad/s or m/s,
+    /// and rad/s² or m/s², of all postures or `[posture * dof + joint]`.
     ///
     /// # Panics
     /// Where an array is too short.
     pub fn run_moving_into(
         &self,
         q: &[f64],
-        velocities: &[f64],
-        accelerations: &[f64],
+        motion: [Values; 2],
         postures: usize,
         out: &mut [f64],
     ) {
-        let moving = [
-            (&self.velocities, velocities),
-            (&self.accelerations, accelerations),
-        ];
-        let moving = moving.map(|(own, given)| own.as_ref().map(|_| Values::PerPosture(given)));
-        self.run_as(q, moving, postures, out);
-    }
-
-    fn run_as(&self, q: &[f64], moving: [Option<Values>; 2], postures: usize, out: &mut [f64]) {
         let q = &q[..postures * self.entries];
-        let (sin, cos) = match self.given {
-            Given::Positions => (Vec::new(), Vec::new()),
-            Given::SinesCosines | Given::Direction => self.sines(q),
-        };
-        // A call of one posture is shorter than to ask for memory a few times.
-        let mut places = [Values::Shared(&[]); MOST_ARGUMENTS];
+        let (sin, cos);
         let positions = match self.given {
             Given::Positions => [Some(Values::PerPosture(q)), None],
             Given::SinesCosines | Given::Direction => {
+                (sin, cos) = self.sines(q);
                 [&sin, &cos].map(|x| Some(Values::PerPosture(x)))
             }
         };
+        // A call of one posture is shorter than to ask for memory a few times.
+        let mut places = [Values::Shared(&[]); MOST_ARGUMENTS];
         let params = [self.params.as_deref().map(Values::Shared)];
+        let taken = motion.into_iter().zip(self.moving);
+        let moving = taken.map(|(values, takes)| takes.then_some(values));
         let given = positions.into_iter().chain(moving).chain(params).flatten();
         let mut count = 0;
         for (place, value) in places.iter_mut().zip(given) {
@@ -304,7 +271,6 @@ fn chunks<const N: usize>(simd: Simd, angles: &[f64], sin: &mut [f64], cos: &mut
 pub struct MotionPredictor {
     zmp: Evaluator,
     com: Evaluator,
-    cop: Option<EffectPredictor>,
 }
 
 impl MotionPredictor {
@@ -313,7 +279,6 @@ impl MotionPredictor {
         MotionPredictor {
             zmp: Evaluator::new(model, Function::Zmp),
             com: Evaluator::new(model, Function::Com),
-            cop: EffectPredictor::new(model),
         }
     }
 
@@ -325,9 +290,8 @@ impl MotionPredictor {
         n: usize,
         (rates, accelerations): (&[f64], &[f64]),
     ) -> Vec<[f64; 2]> {
-        let mut zmp = vec![0.0; 2 * n];
-        self.zmp
-            .run_moving_into(q, rates, accelerations, n, &mut zmp);
+        let motion = [rates, accelerations].map(Values::PerPosture);
+        let zmp = self.zmp.run_moving(q, motion, n);
         let com = self.com.run(q, n);
         let pairs = zmp.chunks_exact(2).zip(com.chunks_exact(3));
         let of = |(zmp, com): (&[f64], &[f64])| {
@@ -336,65 +300,44 @@ impl MotionPredictor {
         };
         pairs.map(of).collect()
     }
-
-    /// Readings of the same postures, m, effects of ground and sensor included.
-    pub fn readings(&self, q: &[f64], n: usize, motion: (&[f64], &[f64])) -> Vec<f64> {
-        let shifts = self.shifts(q, n, motion);
-        match &self.cop {
-            Some(predictor) => predictor.moving(q, n, None, &shifts).1,
-            None => {
-                let com = self.com.run(q, n);
-                let pairs = com.chunks_exact(3).zip(&shifts);
-                let of = |(com, shift): (&[f64], &[f64; 2])| [com[0] + shift[0], com[1] + shift[1]];
-                pairs.flat_map(of).collect()
-            }
-        }
-    }
 }
 
-/// Predicts CoM and reading of a model with effects, under any gravity.
-pub struct EffectPredictor {
+/// Predicts CoM and reading of a model with its effects, under any gravity.
+///
+/// ```text
+/// CoP = CoM − z_CoM g / g_z + shift        without effects: along gravity on the sole plane
+/// ```
+pub struct ReadingPredictor {
     com: Tape,
     cop: Tape,
     layout: PostureContext,
     params: Vec<f64>,
 }
 
-impl EffectPredictor {
-    /// Prepare a model; `None` where it has no effects that a posture shows.
-    pub fn new(model: &Model) -> Option<EffectPredictor> {
-        let shown = model.static_effects().next().is_some();
-        shown.then(|| EffectPredictor {
+impl ReadingPredictor {
+    /// Prepare a model with its parameters, and its effects that a posture shows.
+    pub fn new(model: &Model) -> ReadingPredictor {
+        ReadingPredictor {
             com: Tape::new(&sesc_model::tilted_com(model)),
             cop: Tape::new(&sesc_model::tilted_cop(model)),
             layout: PostureContext::of(model),
             params: model.params(),
-        })
+        }
     }
 
-    /// [`EffectPredictor::moving`] of joints that stand.
+    /// CoM (x, y, z) and reading (x, y) of `postures` postures, m, with gravity per posture and
+    /// what motion adds to the CoP; level ground and joints that stand where these are empty.
     pub fn run(
         &self,
         q: &[f64],
         postures: usize,
-        gravity: Option<&[[f64; 3]]>,
-    ) -> (Vec<f64>, Vec<f64>) {
-        self.moving(q, postures, gravity, &[])
-    }
-
-    /// CoM (x, y, z) and reading (x, y) of `postures` postures, m, with gravity per posture and
-    /// what motion adds to the CoP; none of it where joints stand.
-    pub fn moving(
-        &self,
-        q: &[f64],
-        postures: usize,
-        gravity: Option<&[[f64; 3]]>,
+        gravity: &[[f64; 3]],
         shifts: &[[f64; 2]],
     ) -> (Vec<f64>, Vec<f64>) {
         let mut context = vec![0.0; postures * self.layout.len()];
         let width = self.layout.len();
         for axis in 0..2 {
-            for (k, g) in gravity.into_iter().flatten().enumerate() {
+            for (k, g) in gravity.iter().enumerate() {
                 context[k * width + self.layout.tilt(axis)] = -g[axis] / g[2];
             }
             for (k, shift) in shifts.iter().enumerate() {
@@ -421,6 +364,18 @@ mod tests {
     use crate::robot::{Robot, Stance};
 
     #[test]
+    fn level_readings_have_the_bits_of_the_functions() {
+        let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/op2/op2.urdf");
+        let robot = Robot::read(Path::new(urdf)).unwrap();
+        let model = Stance::new(robot).on("r_sole").model().unwrap();
+        let n = 100;
+        let q: Vec<f64> = (0..n * model.dof()).map(|k| f64::sin(k as f64)).collect();
+        let (com, cop) = ReadingPredictor::new(&model).run(&q, n, &[], &[]);
+        assert_eq!(com, Evaluator::new(&model, Function::Com).run(&q, n));
+        assert_eq!(cop, Evaluator::new(&model, Function::Cop).run(&q, n));
+    }
+
+    #[test]
     fn a_posture_alone_has_the_bits_of_its_batch() {
         let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/op2/op2.urdf");
         let robot = Robot::read(Path::new(urdf)).unwrap();
@@ -432,11 +387,8 @@ mod tests {
             let evaluators = made().zip(made().map(Evaluator::fastest));
             for evaluator in evaluators.into_iter().flat_map(|(a, b)| [a, b]) {
                 // Velocities and accelerations for those that take them.
-                let run = |q: &[f64], n: usize| {
-                    let mut out = vec![0.0; n * evaluator.width()];
-                    evaluator.run_moving_into(q, q, q, n, &mut out);
-                    out
-                };
+                let run =
+                    |q: &[f64], n: usize| evaluator.run_moving(q, [Values::PerPosture(q); 2], n);
                 let batch = run(&q, all);
                 // Around the ends of short and of long blocks.
                 for n in [1, 7, 8, 9, 16, 17, 63, 64, 65, 128, 130] {

@@ -6,11 +6,12 @@
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use sesc_model::Model;
-use sesc_model::tree::{Axis, Coordinate, Motion};
+use sesc_model::chain::Body;
+use sesc_model::tree::{Axis, Coordinate, Link, Motion};
 
 /// Orientation and origin of a frame in the support frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
+pub(crate) struct Pose {
     /// Its axes, as columns.
     pub rotation: Matrix3<f64>,
     /// Its origin, m.
@@ -19,13 +20,13 @@ pub struct Pose {
 
 impl Pose {
     /// The support frame itself.
-    pub const IDENTITY: Pose = Pose {
+    pub(crate) const IDENTITY: Pose = Pose {
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         origin: Vector3::new(0.0, 0.0, 0.0),
     };
 
     /// `inner`, given in this frame, in the frame this one is given in.
-    pub fn then(&self, inner: &Pose) -> Pose {
+    pub(crate) fn then(&self, inner: &Pose) -> Pose {
         Pose {
             rotation: self.rotation * inner.rotation,
             origin: self.point(&inner.origin),
@@ -33,48 +34,43 @@ impl Pose {
     }
 
     /// A point, given in this frame, in the frame this one is given in.
-    pub fn point(&self, point: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn point(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.origin + self.rotation * point
     }
 }
 
-/// Poses of all bodies of `model` in posture `q`, in the order of its chain.
-pub fn bodies(model: &Model, q: &[f64], poses: &mut Vec<Pose>) {
-    poses.clear();
-    for body in &model.chain.bodies {
-        let own = moved(&body.motion, &body.rotation(), body.anchor(), q);
+/// Poses of all `bodies` of a chain in posture `q`, rad or m.
+pub(crate) fn bodies(chain: &[Body], q: &[f64]) -> Vec<Pose> {
+    let mut poses: Vec<Pose> = Vec::with_capacity(chain.len());
+    for body in chain {
+        let own = moved(body, q);
         poses.push(match body.parent {
             Some(parent) => poses[parent].then(&own),
             None => own,
         });
     }
+    poses
 }
 
-/// A body against its parent: `rotation` (row by row) and `anchor` (m) at θ = 0. A joint that
-/// `q` is too short for stands at zero.
-pub(crate) fn moved(
-    motion: &Motion,
-    rotation: &[[f64; 3]; 3],
-    anchor: [f64; 3],
-    q: &[f64],
-) -> Pose {
-    let theta = |by: &Coordinate| by.factor * q.get(by.dof).copied().unwrap_or(0.0) + by.offset;
+/// A body against its parent. A joint that `q` is too short for stands at zero.
+fn moved(body: &Body, q: &[f64]) -> Pose {
+    let theta = |by: Coordinate| by.factor * q.get(by.dof).copied().unwrap_or(0.0) + by.offset;
     let still = Pose {
-        rotation: matrix(*rotation),
-        origin: anchor.into(),
+        rotation: matrix(body.rotation()),
+        origin: body.anchor().into(),
     };
-    match motion {
+    match body.motion {
         // A body without a joint of its own is the support's.
         Motion::Fixed => Pose::IDENTITY,
         Motion::Revolute { axis, by } => {
-            let local = Rotation3::from_axis_angle(&unit(*axis), theta(by));
+            let local = Rotation3::from_axis_angle(&unit(axis), theta(by));
             Pose {
                 rotation: still.rotation * local.matrix(),
                 ..still
             }
         }
         Motion::Prismatic { axis, by } => Pose {
-            origin: still.origin + unit(*axis).scale(theta(by)),
+            origin: still.origin + unit(axis).scale(theta(by)),
             ..still
         },
     }
@@ -89,13 +85,22 @@ fn matrix(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
 }
 
 /// A frame or point of a link, seen from its body; `None` beyond a cut.
-pub fn of_link(model: &Model, link: usize) -> Option<(usize, Pose)> {
+pub(crate) fn of_link(model: &Model, link: usize) -> Option<(usize, Pose)> {
     let place = model.chain.places[link]?;
     let pose = Pose {
         rotation: matrix(place.orientation()),
         origin: place.origin().into(),
     };
     Some((place.body, pose))
+}
+
+/// Links by their index, each with its body and its frame there; those beyond a cut are left out.
+pub(crate) fn links(model: &Model) -> impl Iterator<Item = (usize, &Link, usize, Pose)> {
+    let links = model.tree.links.iter().enumerate();
+    links.filter_map(|(k, link)| {
+        let (body, place) = of_link(model, k)?;
+        Some((k, link, body, place))
+    })
 }
 
 #[cfg(test)]
@@ -125,10 +130,9 @@ mod tests {
                 .unwrap();
             let reference = crate::robot::reference(&robot, support);
             let mut simulator = Simulator::new(&model.tree.dofs, None, 3);
-            let mut poses = Vec::new();
             for _ in 0..20 {
                 let q = simulator.posture();
-                bodies(&model, &q, &mut poses);
+                let poses = bodies(&model.chain.bodies, &q);
                 for (link, theirs) in reference.link_poses(&q).iter().enumerate() {
                     let Some((body, place)) = of_link(&model, link) else {
                         continue;

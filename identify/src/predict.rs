@@ -14,27 +14,25 @@
 use std::collections::HashMap;
 
 use serde::Serialize;
+use sesc_model::Model;
 use sesc_model::effects::{self, Catalog, EffectContext, Instance, PostureContext};
 use sesc_model::tape::{Tape, Values};
-use sesc_model::{Function, Model};
 
 use crate::Error;
-use crate::evaluate::{EffectPredictor, Evaluator, FASTEST, MotionPredictor};
+use crate::evaluate::{FASTEST, MotionPredictor, ReadingPredictor};
 use crate::feet::{Closure, Feet, OtherFoot};
-use crate::logs::{Angles, Block, LogSource, Options, PostureReader, Readings, Stays, joints};
+use crate::logs::{
+    Angles, Block, LogSource, Options, PostureReader, Readings, Sidecar, Stays, joints,
+};
 use crate::observations::motion::{Motion, Wanted};
 use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
+use crate::observations::postures::{BLOCK, HEAD};
 use crate::observations::rows;
 use crate::observations::zmp::Zmp;
 use crate::robot::Stance;
 use crate::robot::check_joints;
 use crate::watch::{Watch, tell};
-
-/// Rows that are read and evaluated together.
-const BLOCK: usize = 4096;
-/// Rows that say how a log is differentiated.
-const HEAD: usize = 20_000;
 
 /// What is to be predicted.
 #[derive(Clone)]
@@ -111,14 +109,14 @@ pub struct Predictor {
     stance: Stance,
     log: String,
     reader: Moving,
+    sidecar: Sidecar,
     evaluators: HashMap<String, Evaluators>,
 }
 
 /// A robot on one link.
 struct Evaluators {
     model: Model,
-    com: Evaluator,
-    effects: Option<EffectPredictor>,
+    readings: ReadingPredictor,
     /// Made when joints move; the second where gravity is tilted, too.
     motion: Option<(MotionPredictor, Zmp)>,
     /// The soles of a log of both feet.
@@ -182,6 +180,7 @@ impl Predictor {
             let first = first.filter(|link| !link.is_empty());
             stance.support = first.map(|link| link.to_string());
         }
+        let sidecar = reader.sidecar.clone();
         let reader = match motion {
             MotionModel::Auto => Moving::planned(reader, dofs.len(), HEAD, Wanted::Alone)?,
             MotionModel::Off => Moving::new(reader, dofs.len(), None, Wanted::Alone),
@@ -190,6 +189,7 @@ impl Predictor {
             stance,
             log: log.name().to_string(),
             reader,
+            sidecar,
             evaluators: HashMap::new(),
         };
         predictor.warn(watch);
@@ -248,25 +248,13 @@ impl Predictor {
             if let Some(soles) = &mut on_link.soles {
                 soles.see(q, dof);
             }
-            let gravity = block.gravity.as_ref().map(|all| &all[start..start + n]);
-            let shifts = match motion {
-                Some(motion) => on_link.shifts(q, motion, start, gravity),
-                None => vec![[0.0; 2]; n],
-            };
-            let com = if let Some(effects) = &on_link.effects {
-                let (com, cop) = effects.moving(q, n, gravity, &shifts);
-                found.cop_m.extend(cop.as_chunks().0);
-                com
-            } else {
-                let com = on_link.com.run(q, n);
-                for (k, (com, by)) in com.as_chunks().0.iter().zip(&shifts).enumerate() {
-                    let down = gravity.map_or([0.0, 0.0, -1.0], |all| all[k]);
-                    let [x, y] = projected(*com, down);
-                    found.cop_m.push([x + by[0], y + by[1]]);
-                }
-                com
-            };
+            let gravity = block.gravity.as_ref();
+            let gravity = gravity.map_or(&[][..], |all| &all[start..start + n]);
+            let shifts = motion.map(|motion| on_link.shifts(q, motion, start, gravity));
+            let shifts = shifts.unwrap_or_default();
+            let (com, cop) = on_link.readings.run(q, n, gravity, &shifts);
             found.com_m.extend(com.as_chunks().0);
+            found.cop_m.extend(cop.as_chunks().0);
             start += n;
         }
         Ok(found)
@@ -285,10 +273,9 @@ impl Predictor {
                 notes.for_each(|note| watch.note(&note));
             }
             // Where the other sole cannot be told, nothing is said of it.
-            let other = Feet::default().of(&self.reader.sidecar, &model);
+            let other = Feet::default().of(&self.sidecar, &model);
             let evaluators = Evaluators {
-                com: Evaluator::new(&model, Function::Com),
-                effects: EffectPredictor::new(&model),
+                readings: ReadingPredictor::new(&model),
                 motion: None,
                 soles: other.unwrap_or_default().map(Soles::new),
                 model,
@@ -322,7 +309,7 @@ impl Evaluators {
         q: &[f64],
         motion: &Motion,
         start: usize,
-        gravity: Option<&[[f64; 3]]>,
+        gravity: &[[f64; 3]],
     ) -> Vec<[f64; 2]> {
         let model = &self.model;
         let make = || (MotionPredictor::new(model), Zmp::new(model));
@@ -332,8 +319,7 @@ impl Evaluators {
         let motion = (&motion.rates[own.clone()], &motion.gains[own]);
         let n = q.len() / dof;
         let mut shifts = predictor.shifts(q, n, motion);
-        let tilts = gravity.into_iter().flatten().map(|g| rows::tilt(*g));
-        let tilts: Vec<[f64; 2]> = tilts.collect();
+        let tilts: Vec<[f64; 2]> = gravity.iter().map(|g| rows::tilt(*g)).collect();
         if tilts.iter().flatten().any(|t| *t != 0.0) {
             let of = |tilts: &[[f64; 2]]| zmp.shifts(&model.params(), q, motion, tilts);
             let (tilted, level) = (of(&tilts), of(&vec![[0.0; 2]; n]));
@@ -345,17 +331,11 @@ impl Evaluators {
     }
 }
 
-/// The CoM along gravity on the sole plane z = 0.
-fn projected([x, y, z]: [f64; 3], gravity: [f64; 3]) -> [f64; 2] {
-    let down = z / gravity[2];
-    [x - gravity[0] * down, y - gravity[1] * down]
-}
-
 /// Postures that are looked at: from twice as many on, every other one of them is let go.
 const POSTURES: usize = 2000;
 
 /// Postures of a log on one support, evenly chosen.
-pub(super) struct Soles {
+struct Soles {
     other: OtherFoot,
     q: Vec<f64>,
     /// Every so many rows one is kept.
@@ -364,7 +344,7 @@ pub(super) struct Soles {
 }
 
 impl Soles {
-    pub fn new(other: OtherFoot) -> Soles {
+    fn new(other: OtherFoot) -> Soles {
         Soles {
             other,
             q: Vec::new(),
@@ -374,7 +354,7 @@ impl Soles {
     }
 
     /// Take note of postures `q[posture * dof + joint]`.
-    pub fn see(&mut self, q: &[f64], dof: usize) {
+    fn see(&mut self, q: &[f64], dof: usize) {
         for posture in q.chunks_exact(dof.max(1)) {
             if self.rows.is_multiple_of(self.every) {
                 self.q.extend(posture);
@@ -390,7 +370,7 @@ impl Soles {
     }
 
     /// What is said where they do not close, as `model` has its joints.
-    pub fn open(&self, model: &Model) -> Option<String> {
+    fn open(&self, model: &Model) -> Option<String> {
         let q = bent(model, &self.q);
         let closure = Closure::of(model, self.other.clone(), &q, None);
         let source = if model.effects.is_empty() {

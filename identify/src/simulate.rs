@@ -31,11 +31,12 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Normal};
 use sesc_model::effects::{Catalog, EffectContext, Parameter, Unit};
 use sesc_model::tree::Dof;
-use sesc_model::{EffectRecord, Function, Model, ModelFile, Quantity};
+use sesc_model::{EffectRecord, Model, ModelFile, Quantity};
 
-use crate::evaluate::{Evaluator, MotionPredictor};
+use crate::evaluate::{MotionPredictor, ReadingPredictor};
 use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table, Written};
 use crate::observations::motion_use::MotionModel;
+use crate::observations::postures::BLOCK;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
 
@@ -43,8 +44,6 @@ use crate::{Error, Setting, message};
 const BEYOND: &str = "a drawn posture has no finite CoP: an angle is beyond 2^20 rad, where \
                       sines mean nothing, or an effect of the model file has a value that no \
                       robot has; give narrower joint limits or other values";
-/// Postures evaluated together.
-const BLOCK: usize = 4096;
 
 /// What is to be simulated.
 #[derive(Clone)]
@@ -121,36 +120,32 @@ impl Request {
     ) -> Result<(), Error> {
         let model = &*self.model;
         let mut simulator = Simulator::new(&model.tree.dofs, self.range, self.seed);
-        let evaluator = Evaluator::new(model, Function::Cop);
+        let predictor = ReadingPredictor::new(model);
         let dof = model.dof();
         let numbers = self.numbers.as_ref().filter(|all| all.len() == self.poses);
         let waves = self.rate.map(|_| simulator.waves());
-        let zmp = match self.motion {
-            MotionModel::Auto => waves.as_ref().map(|_| MotionPredictor::new(model)),
-            MotionModel::Off => None,
-        };
+        let moves = waves.is_some() && matches!(self.motion, MotionModel::Auto);
+        let zmp = moves.then(|| MotionPredictor::new(model));
         for start in (0..self.poses).step_by(BLOCK) {
             tell(watch, "simulating", start as u64, self.poses as u64)?;
             let n = BLOCK.min(self.poses - start);
             let time = |k: usize| self.rate.map_or(0.0, |rate| (start + k) as f64 / rate);
-            let mut moment = Moment::default();
-            match &waves {
-                Some(waves) => (0..n).for_each(|k| waves.at(time(k), &mut moment)),
-                None => {
-                    moment.q = match &self.postures {
-                        Some(given) => given[start * dof..(start + n) * dof].to_vec(),
-                        None => simulator.batch(n),
+            let [mut q, mut rates, mut accelerations] = [(); 3].map(|()| Vec::new());
+            match (&waves, &self.postures) {
+                (Some(waves), _) => {
+                    for moment in (0..n).flat_map(|k| waves.iter().map(move |w| w.at(time(k)))) {
+                        q.push(moment[0]);
+                        rates.push(moment[1]);
+                        accelerations.push(moment[2]);
                     }
                 }
+                (None, Some(given)) => q = given[start * dof..(start + n) * dof].to_vec(),
+                (None, None) => q = simulator.batch(n),
             }
-            let q = moment.q;
-            let readings = match &zmp {
-                Some(zmp) => {
-                    let motion = (&moment.rates[..], &moment.accelerations[..]);
-                    zmp.readings(&q, n, motion)
-                }
-                None => evaluator.run(&q, n),
-            };
+            let shifts = zmp
+                .as_ref()
+                .map(|zmp| zmp.shifts(&q, n, (&rates, &accelerations)));
+            let (_, readings) = predictor.run(&q, n, &[], &shifts.unwrap_or_default());
             if readings.iter().any(|x| !x.is_finite()) {
                 return Err(Error::request(BEYOND));
             }
@@ -168,20 +163,28 @@ impl Request {
         Ok(())
     }
 
-    fn columns(&self) -> Written {
-        Written {
+    /// Simulate into the log that `begin` begins.
+    fn log(
+        &self,
+        watch: &mut dyn Watch,
+        begin: impl FnOnce(&[Dof], Written) -> Result<PostureWriter, Error>,
+    ) -> Result<(), Error> {
+        self.check()?;
+        let columns = Written {
             t: self.rate.is_some(),
             cop: true,
             cop_std: self.noise > 0.0,
             ..Written::default()
-        }
+        };
+        let mut log = begin(&self.model.tree.dofs, columns)?;
+        self.run(watch, |row| log.row(row))?;
+        log.finish(&self.sidecar()).map(drop)
     }
 
     fn sidecar(&self) -> Sidecar {
-        let tree = &self.model.tree;
         Sidecar {
-            robot: Some(tree.robot.clone()),
-            support: Some(tree.links[tree.support].name.clone()),
+            robot: Some(self.model.tree.robot.clone()),
+            support: Some(self.model.support().to_string()),
             ..Sidecar::default()
         }
     }
@@ -264,11 +267,9 @@ pub fn simulate(request: &Request, watch: &mut dyn Watch) -> Result<LogSource, E
 /// # Errors
 /// A request that makes no sense, a file that cannot be written.
 pub fn write(request: &Request, path: &Path, watch: &mut dyn Watch) -> Result<PathBuf, Error> {
-    request.check()?;
-    let dofs = &request.model.tree.dofs;
-    let mut log = PostureWriter::create(path, dofs, request.columns())?;
-    request.run(watch, |row| log.row(row))?;
-    log.finish(&request.sidecar())?;
+    request.log(watch, |dofs, columns| {
+        PostureWriter::create(path, dofs, columns)
+    })?;
     Ok(Sidecar::path(path))
 }
 
@@ -283,11 +284,9 @@ pub fn stream(
     to: impl std::io::Write + Send + 'static,
     watch: &mut dyn Watch,
 ) -> Result<(), Error> {
-    request.check()?;
-    let dofs = &request.model.tree.dofs;
-    let mut log = PostureWriter::stream(name, to, dofs, request.columns())?;
-    request.run(watch, |row| log.row(row))?;
-    log.finish(&request.sidecar()).map(drop)
+    request.log(watch, |dofs, columns| {
+        PostureWriter::stream(name, to, dofs, columns)
+    })
 }
 
 /// Seeded postures and noise; the same numbers on every machine.
@@ -311,9 +310,18 @@ impl Simulator {
         }
     }
 
-    /// A motion through the ranges.
-    fn waves(&mut self) -> Waves {
-        Waves::draw(&self.ranges, &mut self.postures)
+    /// A motion through the ranges, joint by joint.
+    fn waves(&mut self) -> Vec<Wave> {
+        let mut draw = || self.postures.random::<f64>();
+        let wave = |&(lower, upper): &(f64, f64)| Wave {
+            middle: 0.5 * (lower + upper),
+            amplitude: 0.25 * (upper - lower),
+            sines: [(); 2].map(|()| {
+                let hertz = 0.05 + (0.25 - 0.05) * draw();
+                [TAU * hertz, TAU * draw()]
+            }),
+        };
+        self.ranges.iter().map(wave).collect()
     }
 
     /// The next posture, rad or m.
@@ -348,7 +356,7 @@ fn narrowed(dof: &Dof, range: Option<f64>) -> (f64, f64) {
     }
 }
 
-/// One joint.
+/// How a joint moves.
 struct Wave {
     middle: f64,
     amplitude: f64,
@@ -356,45 +364,17 @@ struct Wave {
     sines: [[f64; 2]; 2],
 }
 
-/// How all joints move.
-pub(super) struct Waves(Vec<Wave>);
-
-/// Positions, velocities and accelerations, joint by joint.
-#[derive(Default)]
-pub(super) struct Moment {
-    pub q: Vec<f64>,
-    pub rates: Vec<f64>,
-    pub accelerations: Vec<f64>,
-}
-
-impl Waves {
-    /// Within `ranges`, rad or m.
-    pub fn draw(ranges: &[(f64, f64)], random: &mut ChaCha8Rng) -> Waves {
-        let wave = |&(lower, upper): &(f64, f64)| Wave {
-            middle: 0.5 * (lower + upper),
-            amplitude: 0.25 * (upper - lower),
-            sines: [(); 2].map(|()| {
-                let hertz = 0.05 + (0.25 - 0.05) * random.random::<f64>();
-                [TAU * hertz, TAU * random.random::<f64>()]
-            }),
-        };
-        Waves(ranges.iter().map(wave).collect())
-    }
-
-    /// Add the moment `t` seconds after the start.
-    pub fn at(&self, t: f64, to: &mut Moment) {
-        for wave in &self.0 {
-            let [mut q, mut rate, mut acceleration] = [wave.middle, 0.0, 0.0];
-            for [w, phase] in wave.sines {
-                let (sin, cos) = (w * t + phase).sin_cos();
-                q += wave.amplitude * sin;
-                rate += wave.amplitude * w * cos;
-                acceleration -= wave.amplitude * w * w * sin;
-            }
-            to.q.push(q);
-            to.rates.push(rate);
-            to.accelerations.push(acceleration);
+impl Wave {
+    /// Position, velocity and acceleration `t` seconds after the start.
+    fn at(&self, t: f64) -> [f64; 3] {
+        let [mut q, mut rate, mut acceleration] = [self.middle, 0.0, 0.0];
+        for [w, phase] in self.sines {
+            let (sin, cos) = (w * t + phase).sin_cos();
+            q += self.amplitude * sin;
+            rate += self.amplitude * w * cos;
+            acceleration -= self.amplitude * w * w * sin;
         }
+        [q, rate, acceleration]
     }
 }
 
@@ -447,7 +427,7 @@ fn hidden(context: &EffectContext, robot_kg: f64, text: &str) -> Result<EffectRe
         None => (text, None),
     };
     let (effect, target) = name.split_once(':').unwrap_or((name, "-"));
-    let record = EffectRecord {
+    let mut record = EffectRecord {
         effect: effect.to_string(),
         target: target.to_string(),
         parameters: BTreeMap::new(),
@@ -489,7 +469,6 @@ fn hidden(context: &EffectContext, robot_kg: f64, text: &str) -> Result<EffectRe
             ),
         }));
     }
-    let mut record = record;
     for (parameter, value) in parameters.iter().zip(values) {
         let value = quantity(parameter, robot_kg, value.trim()).map_err(bad)?;
         let value = Quantity { value, std: None };

@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector, Dyn, SVD, SymmetricEigen};
 const ROUNDS: usize = 200;
 
 /// The decomposition of `matrix`, with U and Vᵀ where they are asked for.
-pub fn svd(matrix: DMatrix<f64>, u: bool, v: bool) -> SVD<f64, Dyn, Dyn> {
+pub(crate) fn svd(matrix: DMatrix<f64>, u: bool, v: bool) -> SVD<f64, Dyn, Dyn> {
     let (rows, columns) = matrix.shape();
     let few = rows.min(columns);
     let filled = |value: f64| SVD {
@@ -34,7 +34,7 @@ pub fn svd(matrix: DMatrix<f64>, u: bool, v: bool) -> SVD<f64, Dyn, Dyn> {
 }
 
 /// Eigenvalues and vectors of a symmetric matrix, NaN where it is not finite.
-pub fn symmetric_eigen(matrix: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
+pub(crate) fn symmetric_eigen(matrix: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
     let n = matrix.nrows();
     let unknown = || SymmetricEigen {
         eigenvectors: DMatrix::from_element(n, n, f64::NAN),

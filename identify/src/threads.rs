@@ -10,26 +10,6 @@ pub(crate) fn processors() -> usize {
     thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Do `work` with every one of `items` on the processors that there are.
-fn on_all_processors<T: Send>(items: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
-    let items: Vec<T> = items.collect();
-    let threads = processors().min(items.len());
-    let queue = Mutex::new(items.into_iter());
-    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
-    let all = || {
-        while let Some(item) = next() {
-            work(item);
-        }
-    };
-    thread::scope(|scope| {
-        for _ in 1..threads {
-            // Where no thread starts, there are fewer: nothing of the queue is lost.
-            let _ = Builder::new().spawn_scoped(scope, all);
-        }
-        all();
-    });
-}
-
 /// What `work` makes of each of `items`, which are about `rows` rows, in their order.
 pub fn each<T: Send, R: Send>(
     rows: usize,
@@ -50,9 +30,22 @@ pub fn each_long<T: Send, R: Send>(
 ) -> Vec<R> {
     let items: Vec<T> = items.into_iter().collect();
     let mut done: Vec<Option<R>> = items.iter().map(|_| None).collect();
-    on_all_processors(items.into_iter().zip(&mut done), |(item, place)| {
-        *place = Some(work(item));
+    let threads = processors().min(items.len());
+    let queue = Mutex::new(items.into_iter().zip(&mut done));
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let all = || {
+        while let Some((item, place)) = next() {
+            *place = Some(work(item));
+        }
+    };
+    thread::scope(|scope| {
+        for _ in 1..threads {
+            // Where no thread starts, there are fewer: nothing of the queue is lost.
+            let _ = Builder::new().spawn_scoped(scope, all);
+        }
+        all();
     });
+    drop(queue);
     done.into_iter().flatten().collect()
 }
 

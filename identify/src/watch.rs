@@ -75,14 +75,6 @@ impl Watch for Recorder<'_> {
     }
 }
 
-/// The error of a call that was stopped.
-pub(crate) fn stopped(flow: ControlFlow<()>) -> Result<(), Error> {
-    match flow {
-        ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(()) => Err(Error::interrupted()),
-    }
-}
-
 /// Tell `watch` how far a call is, in front ends' own long calls too.
 ///
 /// # Errors
@@ -93,16 +85,9 @@ pub fn tell(
     done: u64,
     total: impl Into<Option<u64>>,
 ) -> Result<(), Error> {
-    stopped(ask(watch, what, done, total))
-}
-
-/// Tell `watch` how far a call is; gives whether it wants the call stopped.
-pub(crate) fn ask(
-    watch: &mut (impl Watch + ?Sized),
-    what: &'static str,
-    done: u64,
-    total: impl Into<Option<u64>>,
-) -> ControlFlow<()> {
     let total = total.into();
-    watch.progress(Progress { what, done, total })
+    match watch.progress(Progress { what, done, total }) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(Error::interrupted()),
+    }
 }

@@ -160,15 +160,9 @@ impl serde::Serialize for Message {
     }
 }
 
-impl From<String> for Message {
-    fn from(text: String) -> Message {
-        Message(vec![Piece::Text(text)])
-    }
-}
-
-impl From<&str> for Message {
-    fn from(text: &str) -> Message {
-        Message::from(text.to_string())
+impl<P: Into<Piece>> From<P> for Message {
+    fn from(piece: P) -> Message {
+        Message(vec![piece.into()])
     }
 }
 
@@ -300,13 +294,8 @@ pub enum NextStep {
         support: String,
         /// The model file whose effects they have.
         model: Option<String>,
-    },
-    /// Compare them once more, without snapped right angles.
-    VerifyUnsnapped {
-        /// The link on the ground.
-        support: String,
-        /// The model file whose effects they have.
-        model: Option<String>,
+        /// Whether once more, without snapped right angles.
+        unsnapped: bool,
     },
     /// Nothing changed: go on with the earlier of two models.
     GoOn {

@@ -4,7 +4,9 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use sesc_identify::logs::{LogSource, Options, PostureReader, Table};
+use sesc_identify::logs::{
+    LogSource, Options, PostureReader, PostureWriter, Sidecar, Table, Written,
+};
 use sesc_identify::plan::Region;
 use sesc_identify::plan::{self, COP_BOX, plan};
 use sesc_identify::predict::{self, predict};
@@ -46,7 +48,7 @@ fn simulated_logs_are_predicted_without_a_file() {
     assert_eq!(Some(found.cop_m), block.reading);
 }
 
-/// A file and the log in memory hold the same.
+/// A file holds the postures of the plan, and its sidecar the support.
 #[test]
 fn a_plan_is_written_as_it_is_in_memory() {
     let stance = stance();
@@ -56,13 +58,15 @@ fn a_plan_is_written_as_it_is_in_memory() {
     request.candidates = Some(20);
     request.sigmas = 0.0;
     let found = plan(&request, &mut ()).unwrap();
-    let mut reader =
-        PostureReader::open(found.log(), &model.tree.dofs, &Options::default()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let (path, dofs) = (folder.path().join("plan.csv"), &model.tree.dofs);
+    let log = PostureWriter::create(&path, dofs, Written::default()).unwrap();
+    assert_eq!(found.write(log).unwrap(), Some(Sidecar::path(&path)));
+    let mut reader = PostureReader::open(path.as_path(), dofs, &Options::default()).unwrap();
     let block = reader.block(100).unwrap();
     assert_eq!(block.pose, [1, 2, 3, 4, 5, 6]);
     assert_eq!(block.q, found.postures().collect::<Vec<_>>().concat());
-    let (sidecar, _) = found.log().sidecar().unwrap();
-    assert_eq!(sidecar.support.as_deref(), Some("r_sole"));
+    assert_eq!(reader.sidecar.support.as_deref(), Some("r_sole"));
 }
 
 /// Whoever hears of progress may end the call.

@@ -262,7 +262,6 @@ def diagnose(
     motion: Motion = "auto",
     settle: float | None = None,
     servos: str | os.PathLike[str] | None = None,
-    mcap: str | os.PathLike[str] | None = None,
     progress: Progress = False,
 ) -> Diagnosis:
     """Find where simulation and measurement disagree, and name the missing effect.
@@ -286,25 +285,16 @@ def diagnose(
             joint is slower than 0.02 rad/s; each is one posture. 0 takes every row as one of a
             robot that moves.
         servos: TOML file of the servos: remedies are in its ticks.
-        mcap: recording to write for Foxglove and PlotJuggler, whole or not at all: at the time of
-            each posture that was used (s), joint states (rad, m), the CoP as measured, as CAD
-            predicts it and as the explanation does, and what each leaves (m). None is written,
-            and a warning says so, where the data cannot be used.
         progress: print how far it is, or a function of what is done, how much, and of how much.
 
     Raises:
         LogError: a log that cannot be used, with its file, line and column.
-        FitError: what is asked for cannot be had, such as a recording in place of what is read.
-        SescError: a recording that cannot be written, before anything is computed; it is an
-            ``OSError`` too.
+        FitError: what is asked for cannot be had.
         KeyboardInterrupt: Ctrl-C, within 0.2 s; nothing is written.
 
     Example:
         >>> ["joint_offset:hip"] in sesc.diagnose(robot, log, noise=1e-4).explanations
         True
-        >>> found = sesc.diagnose(robot, log, mcap=folder / "found.mcap")
-        >>> (folder / "found.mcap").read_bytes()[1:5]
-        b'MCAP'
     """
     check_first(robot, Robot, "a robot")
     first = _run.one_log(log, FitError, "; logs of experiments are given as `then`")
@@ -319,11 +309,7 @@ def diagnose(
         "motion": _run.motion(motion),
         "settle": settle,
         "servos": None if servos is None else os.fspath(servos),
-        "mcap": None if mcap is None else os.fspath(mcap),
     }
-    if mcap is not None:
-        read = [robot.file, first.name, *(one.name for one in (*further, *before)), prior, servos]
-        _check_place(mcap, [path for path in read if path is not None])
     try:
         report = _sesc.diagnose_log(
             robot,
@@ -349,12 +335,3 @@ def diagnose(
         "notes": report.notes,
     }
     return Diagnosis(state)
-
-
-def _check_place(path: str | os.PathLike[str], read: list[str | os.PathLike[str]]) -> None:
-    """A recording has its own ending, and no place of what is read."""
-    if not os.fspath(path).lower().endswith(".mcap"):
-        raise FitError(f"`mcap` {os.fspath(path)}: a recording ends in .mcap")
-    for one in read:
-        if os.path.exists(path) and os.path.exists(one) and os.path.samefile(path, one):
-            raise FitError(f"`mcap` {os.fspath(path)} is read, too; give the recording another name")

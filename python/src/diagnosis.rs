@@ -5,12 +5,9 @@ use std::path::PathBuf;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use sesc::report::diagnose::{DiagnoseReport, page, text};
-use sesc_identify::Error;
 use sesc_identify::NextStep;
-use sesc_identify::diagnose::{self, Request, Verdict, corrected_urdf};
-use sesc_identify::files::NewFile;
+use sesc_identify::diagnose::{self, Request, remedy};
 use sesc_identify::fit::prior::PriorChoice;
-use sesc_identify::logs::Recording;
 use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
 
@@ -34,7 +31,6 @@ pub struct DiagnoseOptions {
     motion: bool,
     settle: Option<f64>,
     servos: Option<PathBuf>,
-    mcap: Option<PathBuf>,
 }
 
 /// What a diagnosis found, with what is needed to make files of it.
@@ -70,37 +66,13 @@ pub fn diagnose_log(
     request.stays = stays(options.settle).map_err(|failure| failure.raise(py))?;
     request.meshes.clone_from(&robot.folder);
     request.view = true;
-    request.recording = options.mcap.is_some();
-    if let Some(path) = &options.mcap {
-        // Before long work, not behind it. A file that is dropped leaves nothing behind.
-        let begun = Recording::check_format(path)
-            .and_then(|()| NewFile::create(path).map(drop).map_err(Error::from));
-        begun
-            .during(Doing::Fit)
-            .map_err(|failure| failure.raise(py))?;
-    }
-    let recorded = options.mcap.clone();
-    let shown = show.as_ref().map(|show| show.clone_ref(py));
-    let (mut report, mut warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
+    let (report, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
         if let Some(file) = &options.servos {
             let servos = sesc::servos::read(file, &request.robot);
             request.servos = servos.during(Doing::Code)?;
         }
         diagnose::diagnose(&request, watch).during(Doing::Fit)
     })?;
-    match (recorded, report.recording.take()) {
-        (Some(path), _) if report.diagnosis.verdict == Verdict::Unusable => {
-            let name = path.display();
-            warnings.push(format!("{name} is not written: the data cannot be used"));
-        }
-        (Some(path), Some(recording)) => {
-            watched(py, shown, Stopped::Awaited, move |watch| {
-                let file = recording.begun(&path, watch).during(Doing::Fit)?;
-                file.finish().during(Doing::Fit)
-            })?;
-        }
-        _ => {}
-    }
     Ok(DiagnosisReport { report, warnings })
 }
 
@@ -189,7 +161,7 @@ impl DiagnosisReport {
         let dof = next.dofs.len();
         let q = PyArray1::from_slice(py, &next.q).reshape([next.q.len() / dof.max(1), dof])?;
         let ranks = next.ranks.iter().map(|rank| *rank as i64);
-        let experiment = next.experiment.as_ref().map(|e| e.name());
+        let experiment = Some(next.experiment.name());
         let ranks = PyArray1::from_iter(py, ranks);
         Ok(Some((next.support.clone(), experiment, q, ranks)))
     }
@@ -215,7 +187,7 @@ pub fn correct_urdf(
         let prior = PriorChoice::from(prior.as_str())
             .of(&model)
             .during(Doing::Fit)?;
-        let corrected = corrected_urdf::of_model_file(
+        let corrected = remedy::of_model_file(
             &file,
             &robot,
             &model,

@@ -9,6 +9,7 @@ use serde::Serialize;
 use sesc::inspect::{inspect, notes};
 use sesc::report::next_steps::{WithSteps, Worded};
 use sesc_identify::NextStep;
+use sesc_model::tape::Values;
 use sesc_model::{self as model, Function, ModelFile};
 
 use crate::arrays::{Axis, Target, numbers};
@@ -98,7 +99,10 @@ impl Model {
                         let from = |k: usize| &q[k.min(N - 1)][start * width..];
                         match N {
                             1 => evaluator.run_into(from(0), n, out),
-                            _ => evaluator.run_moving_into(from(0), from(1), from(2), n, out),
+                            _ => {
+                                let motion = [from(1), from(2)].map(Values::PerPosture);
+                                evaluator.run_moving_into(from(0), motion, n, out)
+                            }
                         }
                     })?;
                 }

@@ -53,11 +53,15 @@ fn call(step: &NextStep, model: &impl Fn(&str) -> String) -> Option<String> {
             let support = support.as_deref().unwrap_or("LINK");
             format!("{}.c99(\"src\")", on("robot", support, model))
         }
-        NextStep::Verify { support, model } => {
-            format!("sesc.verify({})", on("robot", support, model))
-        }
-        NextStep::VerifyUnsnapped { support, model } => {
-            let robot = "sesc.Robot(\"URDF\", snap=False)";
+        NextStep::Verify {
+            support,
+            model,
+            unsnapped,
+        } => {
+            let robot = match unsnapped {
+                true => "sesc.Robot(\"URDF\", snap=False)",
+                false => "robot",
+            };
             format!("sesc.verify({})", on(robot, support, model))
         }
         NextStep::Repair

@@ -76,25 +76,6 @@ def test_diagnoses_are_equal(small: sesc.Robot, robots: Path, log: Path, command
     assert (tmp_path / "b.html").stat().st_size > 10_000
 
 
-def test_recordings_of_diagnoses_are_equal(small: sesc.Robot, robots: Path, log: Path, command: Any, tmp_path: Path) -> None:
-    plain = sesc.diagnose(small, log)
-    found = sesc.diagnose(small, log, mcap=tmp_path / "b.mcap")
-    command("diagnose", robots / LEGS[0], "--data", log, "--mcap", tmp_path / "a.mcap")
-    assert (tmp_path / "b.mcap").read_bytes() == (tmp_path / "a.mcap").read_bytes()
-    assert found.to_dict() == plain.to_dict()
-    # What is read is not written over.
-    before = (tmp_path / "b.mcap").read_bytes()
-    with pytest.raises(sesc.FitError, match="is read, too"):
-        sesc.diagnose(small, sesc.Log(tmp_path / "b.mcap", support=LEGS[1]), mcap=tmp_path / "b.mcap")
-    with pytest.raises(sesc.FitError, match="ends in .mcap"):
-        sesc.diagnose(small, log, mcap=tmp_path / "b.csv")
-    with pytest.raises(OSError) as caught:
-        sesc.diagnose(small, log, mcap=tmp_path / "none" / "b.mcap")
-    assert isinstance(caught.value, sesc.SescError)
-    assert (tmp_path / "b.mcap").read_bytes() == before
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.mcap", "b.mcap"]
-
-
 @pytest.fixture(scope="module")
 def stays(log: Path) -> Path:
     """The log held still for 0.6 s in each posture, with times and moves of 0.4 s between."""

@@ -217,29 +217,6 @@ def test_progress_is_told_and_may_stop_a_call(op2: sesc.Robot, log: sesc.Log, ca
     assert capfd.readouterr().err == ""
 
 
-def test_a_recording_that_is_stopped_leaves_no_file(pole: sesc.Robot, tmp_path: Path) -> None:
-    log = sesc.simulate(pole.on("foot"), 100_000, noise=1e-4)
-
-    def stop(what: str, done: int, total: int | None) -> None:
-        raise RuntimeError("enough")
-
-    with pytest.raises(RuntimeError, match="enough"):
-        sesc.diagnose(pole, log, mcap=tmp_path / "a.mcap", progress=stop)
-    # What was stopped goes on for a while, and writes nothing.
-    time.sleep(1.0)
-    assert os.listdir(tmp_path) == []
-
-
-def test_no_recording_is_written_of_data_that_cannot_be_used(pole: sesc.Robot, tmp_path: Path) -> None:
-    columns = dict(sesc.simulate(pole.on("foot"), 60, noise=1e-4).columns())
-    columns["cop_x"] = np.full(60, 0.1)
-    columns["cop_y"] = np.zeros(60)
-    log = sesc.Log(columns, support="foot")
-    found = sesc.diagnose(pole, log, mcap=tmp_path / "a.mcap")
-    assert found.verdict == "unusable" and os.listdir(tmp_path) == []
-    assert found.warnings[-1] == f"{tmp_path / 'a.mcap'} is not written: the data cannot be used"
-
-
 def test_parameters_of_a_fit_are_a_table_of_any_library(op2: sesc.Robot, log: sesc.Log) -> None:
     pa = pytest.importorskip("pyarrow")
     fit = sesc.fit(op2, log)

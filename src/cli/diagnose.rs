@@ -17,14 +17,12 @@ use crate::report::unusable;
 use crate::servos;
 use sesc_identify::NextStep;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
-use sesc_identify::logs::{self, Recording};
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose robots/op2/op2.urdf --data log.csv\n  \
     sesc diagnose op2.urdf --data log.csv --out model.toml --urdf corrected.urdf --report report.html\n  \
     sesc diagnose op2.urdf --data log.csv --next next.csv\n  \
-    sesc diagnose op2.urdf --data log.csv --mcap diagnosis.mcap\n  \
     sesc diagnose op2.urdf --data log.csv --then next_log.csv\n  \
     sesc diagnose op2.urdf --data log.csv --healthy before.csv\n  \
     sesc diagnose op2.urdf --data log.csv --prior cad --json";
@@ -34,7 +32,7 @@ const UNCORRECTED: &str = "the error of the uncorrected model";
 
 /// Find where simulation and measurement disagree, and name the missing effect
 #[derive(Args)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", logs::columns_text()))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::columns_text()))]
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
@@ -81,10 +79,6 @@ pub(super) struct Arguments {
     /// Page to write: where the gap is, what closes it, what these data cannot tell apart
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Recording to write, for Foxglove and PlotJuggler: joint states, the CoP as measured, as
-    /// CAD predicts it and as the explanation does, and what each leaves
-    #[arg(long, value_name = "FILE")]
-    mcap: Option<PathBuf>,
     /// Exit with 1 if the error of the robot as its URDF says, masses of CAD and no effect, exceeds
     /// K noise floors, whatever explains it
     #[arg(long, value_name = "K", allow_negative_numbers = true, value_parser = super::positive)]
@@ -114,12 +108,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .writes(Kind::Urdf, &arguments.corrected)
         .writes_logs(Kind::Postures, &arguments.next)
         .writes(Kind::Page, &arguments.report)
-        .writes(Kind::Recording, &arguments.mcap)
         .prints(arguments.json)
         .check_writable()?;
-    if let Some(path) = &arguments.mcap {
-        Recording::check_format(path)?;
-    }
     let bar = &mut Bar::new("reading");
     let request = request(arguments)?;
     let report = diagnose::diagnose(&request, bar)?;
@@ -146,12 +136,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     if usable {
         write(arguments, &report, &printed)?;
     } else {
-        let named = [
-            &arguments.out,
-            &arguments.corrected,
-            &arguments.next,
-            &arguments.mcap,
-        ];
+        let named = [&arguments.out, &arguments.corrected, &arguments.next];
         for path in named.into_iter().flatten() {
             not_written(path);
         }
@@ -212,7 +197,6 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.corrected_urdf = arguments.corrected.is_some();
     request.total_mass = arguments.total_mass;
     request.view = arguments.report.is_some();
-    request.recording = arguments.mcap.is_some();
     Ok(request)
 }
 
@@ -263,9 +247,6 @@ fn write(
     if let (Some(path), Some(view)) = (&arguments.report, &report.view) {
         let text = page(printed, view, &report.model_file, &command_line());
         files.add(path, &text?)?;
-    }
-    if let (Some(path), Some(recording)) = (&arguments.mcap, &report.recording) {
-        files.add_begun(path, recording.begun(path, &mut ())?);
     }
     files.finish()
 }

@@ -20,7 +20,6 @@ use sesc_identify::fit::Loss;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{self, Duplicates, Request};
-use sesc_identify::logs;
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -33,7 +32,7 @@ const EXAMPLES: &str = "Examples:\n  \
 /// Identify the parameters of a robot from posture logs, with uncertainties, observability
 /// and held-out error
 #[derive(Args)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", logs::columns_text()))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::columns_text()))]
 pub(super) struct Arguments {
     /// Robot description (`-` is standard input), or factor files of `--partial` to combine
     #[arg(value_name = "URDF|PART", required = true)]

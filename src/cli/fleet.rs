@@ -18,7 +18,6 @@ use sesc_identify::feet::Feet;
 use sesc_identify::files;
 use sesc_identify::fleet::summary::{Summary, summary};
 use sesc_identify::fleet::{self, Fleet, Options, Row, Store};
-use sesc_identify::logs;
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -34,7 +33,7 @@ const EXAMPLES: &str = "Examples:\n  \
 
 /// Diagnose a log per robot and day, and say what robots share and what changed
 #[derive(Args)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", logs::columns_text()))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", super::columns_text()))]
 pub(super) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,

@@ -267,6 +267,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let verify = NextStep::Verify {
         support: model.support().to_string(),
         model: file.map(|file| file.display().to_string()),
+        unsnapped: false,
     };
     let about = About::new(&arguments.robot.urdf);
     answer.next_steps = about.worded([&verify]);

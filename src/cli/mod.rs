@@ -39,7 +39,8 @@ use sesc_model::text::{is_hidden, visible, visible_lines};
 use terminal::Bar;
 
 use crate::Error;
-use crate::report::table::gathered;
+use crate::report::table::{gathered, wrapped_at};
+use sesc_identify::logs::{COLUMNS, Need};
 use sesc_identify::robot::Robot;
 
 /// Centre of mass by the statically equivalent serial chain: from a URDF to
@@ -339,6 +340,28 @@ struct Answer<'a, T: serde::Serialize> {
 /// The keys of `sesc.toml`.
 pub fn robot_keys() -> impl Iterator<Item = &'static str> {
     defaults::KEYS.into_iter().map(|(key, _)| key)
+}
+
+/// [`COLUMNS`] as a text for help, a line for each that any terminal shows.
+///
+/// ```
+/// let text = sesc::cli::columns_text();
+/// assert!(text.contains("cop_x, cop_y"));
+/// ```
+pub fn columns_text() -> String {
+    let lines = COLUMNS.iter().map(|column| {
+        let need = match column.need {
+            Need::Always => " (required)",
+            Need::Reading => " (one kind of reading, where the command needs readings)",
+            _ => "",
+        };
+        let start = format!("  {:<32} {:<6} ", column.names.join(", "), column.unit);
+        let indent = " ".repeat(start.chars().count());
+        let meaning = format!("{}{need}", column.meaning);
+        start + &wrapped_at(&meaning, &indent, 98 - indent.len())
+    });
+    let lines: Vec<String> = lines.collect();
+    format!("Columns of a posture log:\n{}", lines.join("\n"))
 }
 
 /// See [`Answer`].

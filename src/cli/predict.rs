@@ -11,7 +11,7 @@ use super::steps::About;
 use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, steps};
 use crate::Error;
 use crate::report::next_steps::{WithSteps, Worded};
-use sesc_identify::logs::{self, Angles, PREDICTED, PredictionWriter, Sidecar};
+use sesc_identify::logs::{Angles, PREDICTED, PostureWriter, Row, Sidecar};
 use sesc_identify::predict::{Predictor, Request, predict};
 use sesc_identify::robot::Stance;
 use sesc_identify::{Functions, NextStep};
@@ -21,7 +21,7 @@ use sesc_identify::{Functions, NextStep};
 #[command(after_help = format!(
     "Examples:\n  sesc predict robots/op2/op2.urdf --support r_sole --data poses.csv > predicted.csv\n  \
     sesc predict op2.urdf --model model.toml --data log.parquet --out predicted.parquet\n\n{}",
-    logs::columns_text()
+    super::columns_text()
 ))]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -78,13 +78,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         arguments.json,
     ) {
         (Some(path), json) => {
-            let mut table = PredictionWriter::create(path)?;
+            let mut table = PostureWriter::predictions(path)?;
             let mut postures = 0;
             each(&request, bar, |pose, com_m, cop_m| {
                 postures += 1;
-                Ok(table.row(pose, com_m, cop_m)?)
+                Ok(table.row(&Row {
+                    pose,
+                    q: com_m,
+                    cop: cop_m,
+                    ..Row::default()
+                })?)
             })?;
-            table.finish()?;
+            table.finish_alone()?;
             bar.clear();
             let file = path.display().to_string();
             message(&format!("wrote {file}"));

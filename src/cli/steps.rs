@@ -68,11 +68,13 @@ impl<'a> About<'a> {
                 let to = ["--lang", "c", "--out", "src"];
                 Some(of_model("generate", support.as_deref(), model, &to))
             }
-            NextStep::Verify { support, model } => {
-                Some(of_model("verify", Some(support), model, &[]))
-            }
-            NextStep::VerifyUnsnapped { support, model } => {
-                Some(of_model("verify", Some(support), model, &["--no-snap"]))
+            NextStep::Verify {
+                support,
+                model,
+                unsnapped,
+            } => {
+                let more = if *unsnapped { &["--no-snap"][..] } else { &[] };
+                Some(of_model("verify", Some(support), model, more))
             }
             NextStep::Repair
             | NextStep::Record { .. }

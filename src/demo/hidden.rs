@@ -5,7 +5,6 @@
 //! and their CoP go into the diagnosis; the CoP and the CoM of the model it gives
 //! are judged on postures that were not fitted.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -17,7 +16,7 @@ use sesc_reference::World;
 use crate::Error;
 use crate::report::HiddenAct;
 use sesc_identify::diagnose::{self, Request};
-use sesc_identify::evaluate::{EffectPredictor, Evaluator};
+use sesc_identify::evaluate::{Evaluator, ReadingPredictor};
 use sesc_identify::logs::Table;
 use sesc_identify::observations::rms;
 use sesc_identify::plan::Geometry;
@@ -74,10 +73,8 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<HiddenAct, Error> 
     let (repaired, (cop, com)) = both(repair, truths);
     let (report, corrected, code) = repaired?;
     let cad = Evaluator::new(model, Function::Cop).run(judged, JUDGED);
-    let better = match EffectPredictor::new(&corrected) {
-        Some(predictor) => predictor.run(judged, JUDGED, None).1,
-        None => cad.clone(),
-    };
+    let better = ReadingPredictor::new(&corrected);
+    let better = better.run(judged, JUDGED, &[], &[]).1;
     let error = |found: &[f64]| rms(found.iter().zip(cop.as_flattened()).map(|(a, b)| a - b));
     let distance = |model: &Model| {
         let found = Evaluator::new(model, Function::Com).run(judged, JUDGED);
@@ -130,9 +127,7 @@ fn balanced(robot: &Robot, model: &Model, count: usize, seed: u64) -> Result<Vec
     let region = Region::square(BOX, 0.0)?;
     let geometry = Geometry::read(&robot.description, None);
     let scene = Scene::new(model, &geometry, &limits, &region, 0.005, None);
-    let (found, _) = sample(&scene, seed, count, 100 * count, |_| {
-        ControlFlow::Continue(())
-    });
+    let (found, _) = sample(&scene, seed, count, 100 * count, |_| Ok(()))?;
     match found.len() == count * model.dof() {
         true => Ok(found),
         false => Err(Error::Usage(

@@ -196,11 +196,15 @@ fn sentence(step: &NextStep) -> (String, String) {
                 "those of the first are of a robot that has changed",
             ),
         },
-        NextStep::Verify { .. } => both(
+        NextStep::Verify {
+            unsnapped: false, ..
+        } => both(
             "Compare the functions with an independent reference",
             "it sums the links of the URDF by itself",
         ),
-        NextStep::VerifyUnsnapped { .. } => both(
+        NextStep::Verify {
+            unsnapped: true, ..
+        } => both(
             "Compare without snapped angles",
             "what fails even so is no right angle that the URDF has but nearly",
         ),
@@ -269,7 +273,11 @@ pub fn of_verification(support: &str, model: Option<String>, pass: bool) -> Next
             model,
             of: Functions::Verified,
         },
-        false => NextStep::VerifyUnsnapped { support, model },
+        false => NextStep::Verify {
+            support,
+            model,
+            unsnapped: true,
+        },
     }
 }
 

@@ -9,6 +9,7 @@ use serde_json::{Value as Json, json};
 use super::figures::robot::{Marks, Pictured};
 use sesc_identify::diagnose::view::chosen;
 use sesc_identify::skeleton::Skeleton;
+use sesc_model::chain::Body;
 use sesc_model::text::visible_lines;
 use sesc_model::tree::{Coordinate, Motion};
 
@@ -192,7 +193,7 @@ fn all<'v>(values: impl IntoIterator<Item = &'v f64>, digits: i32) -> Vec<Json> 
 /// mass and CoM of each body; what lengths are is m. Left out are no parent, no rotation, a factor
 /// of one, and the rest where it is zero.
 fn bodies(skeleton: &Skeleton) -> Vec<Json> {
-    let of = |body: &sesc_identify::skeleton::Segment| {
+    let of = |(body, com): (&Body, &[f64; 3])| {
         let still = Coordinate {
             dof: 0,
             factor: 1.0,
@@ -204,19 +205,19 @@ fn bodies(skeleton: &Skeleton) -> Vec<Json> {
             Motion::Prismatic { axis, by } => (2, axis.components(), by),
         };
         let numbers = |values: &[f64], digits: i32| json!(all(values, digits));
-        let rotation: Vec<f64> = body.rotation.iter().flatten().copied().collect();
+        let rotation: Vec<f64> = body.rotation().concat();
         let zero = || json!([0.0, 0.0, 0.0]);
         let fields = [
             ("parent", json!(body.parent), Json::Null),
             ("kind", json!(kind), json!(0)),
             ("rotation", numbers(&rotation, 9), numbers(&UNTURNED, 9)),
-            ("anchor", numbers(&body.anchor, 7), zero()),
+            ("anchor", numbers(&body.anchor(), 7), zero()),
             ("axis", numbers(&axis, 9), zero()),
             ("joint", json!(by.dof), json!(0)),
             ("factor", json!(by.factor), json!(1.0)),
             ("offset", json!(by.offset), json!(0.0)),
             ("mass", rounded(body.mass, 7), json!(0.0)),
-            ("com", numbers(&body.com, 7), zero()),
+            ("com", numbers(com, 7), zero()),
         ];
         let said = fields
             .into_iter()
@@ -224,7 +225,7 @@ fn bodies(skeleton: &Skeleton) -> Vec<Json> {
         said.map(|(name, value, _)| (name.to_string(), value))
             .collect()
     };
-    skeleton.bodies.iter().map(of).collect()
+    skeleton.bodies.iter().zip(&skeleton.coms).map(of).collect()
 }
 
 /// Body and ends of each capsule, m.

@@ -2,9 +2,10 @@
 
 use sesc_identify::evaluate::Evaluator;
 use sesc_model::Function;
+use sesc_model::tape::Values;
 use sesc_reference::Reference;
 
-use super::motion::{JointMotion, Truth};
+use super::motion::{JointMotion, Truth, velocities};
 use super::world::{self, Bent};
 
 /// One posture in so many is also differentiated, which costs a few evaluations a joint,
@@ -64,6 +65,7 @@ impl Compared<'_> {
             })
             .collect();
         let mut room = Vec::new();
+        let unlike = velocities(dof);
         let worst = |compares: &Compares| {
             let Compares {
                 function,
@@ -75,7 +77,12 @@ impl Compared<'_> {
                 return 0.0;
             }
             room.resize(postures * evaluator.width(), 0.0);
-            evaluator.run_into(q, postures, &mut room);
+            let rates = match function {
+                Function::Zmp => &self.joints.rates,
+                _ => &unlike,
+            };
+            let motion = [rates, &self.joints.accelerations].map(|all| Values::Shared(all));
+            evaluator.run_moving_into(q, motion, postures, &mut room);
             let rows = room.chunks(evaluator.width().max(1)).zip(&truths);
             let errors = rows.map(|(values, truth)| truth.difference(*function, params, values));
             // A NaN must not slip through a maximum.

@@ -25,14 +25,9 @@ pub const UNPROVEN_OF_REACH: f64 = 1e-9;
 /// bound is proven, m.
 const UNPROVEN_M: f64 = 1e-9;
 
-/// Prepares every function of `model` for comparison. Joints move as `joints`; bounds of a
-/// `bent` robot allow for what its springs leave out. The robot's `reach` is in m.
-pub(super) fn functions(
-    model: &Model,
-    bent: Option<&Bent>,
-    joints: &JointMotion,
-    reach: f64,
-) -> Vec<Compares> {
+/// Prepares every function of `model` for comparison. Bounds of a `bent` robot allow for what its
+/// springs leave out. The robot's `reach` is in m.
+pub(super) fn functions(model: &Model, bent: Option<&Bent>, reach: f64) -> Vec<Compares> {
     let givens = [Given::Positions, Given::SinesCosines, Given::Direction];
     let all = givens
         .into_iter()
@@ -42,10 +37,6 @@ pub(super) fn functions(
         let program = model.program(function, given)?;
         let evaluator =
             Evaluator::of_function(model, &program, function, given, model.cad_params());
-        let evaluator = match function {
-            Function::Zmp => evaluator.moving(&joints.rates, &joints.accelerations),
-            _ => evaluator.moving(&velocities(model.dof()), &[]),
-        };
         let rounding = match &decided {
             Cow::Borrowed(_) => rounding(model, Some(&program)),
             Cow::Owned(decided) => rounding(decided, decided.program(function, given).as_ref()),

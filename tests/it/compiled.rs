@@ -14,6 +14,7 @@ use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
 use sesc_model::bounds::Precision;
 use sesc_model::expr::Argument;
+use sesc_model::tape::Values;
 use sesc_model::{Function, Given, Model, Snapping};
 use sesc_test_support::child::Child;
 use sesc_test_support::command::ROOT;
@@ -242,8 +243,8 @@ fn same_bits_as_the_tape(case: &Case, child: &Child) {
         let name = format!("{} {}", case.module, function.name());
         let compiled = case.written(child, function.name());
         let [qd, qdd] = motion(&case.model, function);
-        let evaluator = Evaluator::new(&case.model, function).moving(&qd, &qdd);
-        let tape = evaluator.run(&case.q, count);
+        let evaluator = Evaluator::new(&case.model, function);
+        let tape = evaluator.run_moving(&case.q, [&qd, &qdd].map(|x| Values::Shared(x)), count);
         let written = WRITTEN * evaluator.width();
         assert_same(&name, &compiled[..written], tape[..written].to_vec());
         let rest = tape[written..].chunks(evaluator.width());

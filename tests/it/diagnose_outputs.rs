@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use sesc::OP2_URDF;
-use sesc_identify::diagnose::corrected_urdf::{CorrectedUrdf, of_model_file};
+use sesc_identify::diagnose::remedy::{CorrectedUrdf, of_model_file};
 use sesc_identify::fit::prior::{Prior, Tolerances};
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;

@@ -5,6 +5,7 @@ use sesc::verify::JointMotion;
 use sesc_identify::evaluate::Evaluator;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
+use sesc_model::tape::Values;
 use sesc_model::{Function, Given, Model, Snapping};
 use sesc_test_support::trees::{Kind, tree};
 
@@ -17,7 +18,7 @@ fn model(text: &str, support: &str) -> Model {
 
 fn zmp(model: &Model, q: &[f64], rates: &[f64], gains: &[f64], r: &[f64]) -> [f64; 2] {
     let evaluator = Evaluator::with_params(model, Function::Zmp, r.to_vec());
-    let p = evaluator.moving(rates, gains).run(q, 1);
+    let p = evaluator.run_moving(q, [rates, gains].map(Values::Shared), 1);
     [p[0], p[1]]
 }
 

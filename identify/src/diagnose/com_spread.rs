@@ -43,10 +43,10 @@ pub(super) fn sentence(found: &Explained) -> Option<String> {
 
 /// CoM (x, y, z) of every posture under an explanation, m.
 fn coms(problem: &Problem, fit: &Fit) -> Option<Vec<f64>> {
-    let model = problem.first.model.clone();
+    let model = problem.first().model.clone();
     let model = model.with_file(model_file(problem, fit)).ok()?;
-    let n = problem.first.data.len();
-    Some(Evaluator::new(&model, Function::Com).run(&problem.first.data.q, n))
+    let n = problem.first().data.len();
+    Some(Evaluator::new(&model, Function::Com).run(&problem.first().data.q, n))
 }
 
 /// RMS distance of points, x, y, z after each other.

@@ -1,25 +1,32 @@
 //! The whole diagnosis: search, class, verdict, held-out errors, sentences.
 
+use std::borrow::Cow;
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-use super::closure;
+use sesc_model::effects::Unit;
+
 use super::com_spread;
 use super::criteria;
-use super::findings::{About, Diagnosis, Explained, Gap, ModelOnLog, NextPostures, Step, Verdict};
-use super::held_out::{self, HeldOut};
+use super::findings::{
+    About, ActsOn, Blind, Diagnosis, Explained, HeldOut, Last, Leftover, Member, ModelOnLog,
+    NextPostures, Quantity, Step, Suspect, Verdict,
+};
+use super::held_out;
 use super::hypothesis::Term;
-use super::leftover::Misfit;
+use super::leftover::{Misfit, closure_found, is_open, suspects};
+use super::model_file::settle;
 use super::noise;
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem};
+use super::remedy::Remedy;
 use super::search::Search;
-use super::stated;
-use super::statements::{detectable, last, members, outliers, rest, told};
 use super::words::{self, capital};
 use crate::Error;
 use crate::observations::noise::NoiseSource;
+use crate::observations::postures::rms;
 use crate::observations::revisits::Again;
-use crate::observations::samples::Samples;
+use crate::observations::sample_count::SampleCount;
 use crate::threads::each_long;
 use crate::watch::Watch;
 
@@ -27,14 +34,14 @@ use crate::watch::Watch;
 ///
 /// # Errors
 /// When `watch` stops the search.
-pub fn find<'m>(
+pub(super) fn find<'m>(
     whole_problem: &mut Problem<'m>,
     about: &About,
     watch: &mut dyn Watch,
 ) -> Result<Explained, Error> {
     let mut search = Search::new(whole_problem.clone());
-    let visible = search.visible().to_vec();
-    let too_few = whole_problem.first.too_few();
+    let visible = search.visible.clone();
+    let too_few = whole_problem.first().too_few();
     // Nothing at all is left to tell the noise from.
     let hopeless =
         too_few.is_some_and(|[rows, directions]| rows < directions + noise::LEFT_AT_LEAST);
@@ -43,7 +50,10 @@ pub fn find<'m>(
     let (mut ranked, implausible) = match about.usable && !hopeless {
         true => {
             let mut ranked = search.run(watch)?;
-            ranked.retain(|fit| !too_many_outliers(fit));
+            // More postures are outliers than outliers can explain.
+            let outliers = |fit: &Fit| fit.outliers.as_ref().map_or(0, |o| o.named().len());
+            let most = criteria::OUTLIER_SHARE * whole_problem.first().data.len() as f64;
+            ranked.retain(|fit| outliers(fit) as f64 <= most);
             judged(&mut search, ranked, &none)
         }
         false => (vec![none.clone()], None),
@@ -55,14 +65,14 @@ pub fn find<'m>(
     let mut best = ranked[0].clone();
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
     let mut class = class(&best, ranked);
-    let whole = search.problem();
+    let whole = Arc::clone(&search.problem);
     let problem = &*whole;
     let misfit = misfit(problem, &best);
     // Noise that was taken from what free masses leave says it where far more is left.
-    let known = problem.first.data.noise_source != NoiseSource::Residuals
+    let known = problem.first().data.noise_source != NoiseSource::Residuals
         || misfit.chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * misfit.expected;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
-    let soles = about.usable && closure::is_open(problem, &best);
+    let soles = about.usable && is_open(problem, &best);
     let no_known = known && misfit.is_clear() || soles;
     let is_short = about.usable && too_few.is_some() && best.terms.is_empty() && !soles;
     let unexplained = !is_short && (no_known || crowd || implausible.is_some());
@@ -72,36 +82,49 @@ pub fn find<'m>(
     let baseline = held_out::of_cad(problem);
     let steps = held_out::order(&best, &mut |terms| search.fit(terms, None));
     let null = search.fit(&[], None);
-    let last_step = steps.last().unwrap_or(&null);
+    let last_step = steps.last().map_or(&null, |(_, last)| last);
     let held_out = |step: &Fit| {
         let apart = held_out::apart_on_the_way(problem, step, last_step);
-        match stated::settle(problem, step) {
-            Some((own, step)) => held_out::cross_validate(&own, &step, &apart),
-            None => held_out::cross_validate(problem, step, &apart),
-        }
+        let (own, step) = settle(problem, step);
+        held_out::cross_validate(&own, &step, &apart)
     };
-    let start = held_out(&null);
-    let held: Vec<HeldOut> = steps.iter().map(held_out).collect();
-    let evidence: Vec<f64> = best
-        .terms
-        .iter()
-        .map(|term| {
-            let others: Vec<Term> = best.terms.iter().filter(|i| *i != term).cloned().collect();
-            settled_score(problem, &search.fit(&others, Some(&best))) - best.score()
-        })
+    let held: Vec<HeldOut> = [&null]
+        .into_iter()
+        .chain(steps.iter().map(|(_, step)| step))
+        .map(held_out)
         .collect();
+    let mut evidence = |place: usize| {
+        let mut others = best.terms.clone();
+        others.remove(place);
+        let without = search.fit(&others, Some(&best));
+        settle(problem, &without).1.objective + without.penalty - best.score()
+    };
+    let told: Vec<usize> = steps.iter().map(|(place, _)| *place).collect();
+    let evidence: Vec<f64> = told.iter().map(|place| evidence(*place)).collect();
     let counted = search.fitted;
     let expected = Misfit::of(problem, &null);
-    let raw = raw_misfit(problem);
+    let first = problem.first();
+    let raw = baseline.errors.iter().zip(&first.weight).enumerate();
+    let raw = raw.map(|(row, (gap, weight))| (gap * weight * first.widened[row % 2]).powi(2));
+    // Of the robot with CAD masses, in the log that is reported.
+    let raw = Misfit {
+        chi2: raw.sum(),
+        expected: baseline.errors.len() as f64,
+        rows_per_sample: first.rows_per_sample(),
+    };
     let members = members(problem, &class);
-    let settled = stated::settle(problem, &best);
+    let (own, settled) = settle(problem, &best);
+    let own = match own {
+        Cow::Owned(own) => Some(own),
+        Cow::Borrowed(_) => None,
+    };
     drop(search);
     *whole_problem = Arc::unwrap_or_clone(whole);
-    if let Some((own, settled)) = settled {
+    if let Some(own) = own {
         *whole_problem = own;
         let problem = &*whole_problem;
         // Everything that is shown beside it is seen from the same masses.
-        let again = |fit: &Fit| problem.fit(&fit.terms, Some(&fit.unknowns), ALL);
+        let again = |fit: &Fit| problem.fit(&fit.terms, Some(fit), ALL);
         class = class.iter().map(again).collect();
         best = settled;
         if let Some(first) = class.first_mut().filter(|first| first.terms == best.terms) {
@@ -109,7 +132,7 @@ pub fn find<'m>(
         }
     }
     let problem = &*whole_problem;
-    let closure = closure::said(problem, &null, &best);
+    let closure = closure_found(problem, &null, &best);
     let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
         _ if !about.usable => Verdict::Unusable,
         _ if is_short => Verdict::TooShort,
@@ -119,20 +142,25 @@ pub fn find<'m>(
         (_, _, 1) => Verdict::Named,
         _ => Verdict::Class,
     };
-    let told = told(problem, &best, &steps, &start, &held, &evidence);
-    let (told, steps): (Vec<usize>, Vec<Step>) = told.into_iter().unzip();
+    let steps = steps_told(problem, &best, &told, &held, &evidence);
+    let end = held.last().unwrap_or(&baseline);
+    let outliers = best.outliers.iter().flat_map(Outliers::named);
+    let outliers = outliers.map(|k| problem.first().data.pose[k]);
+    let shift = problem.mass_shift(&best);
+    let shift = shift.iter().zip(&problem.first().weight);
+    let absorbed = rms(shift.map(|(s, w)| s / w));
     let (leftover, suspects) = rest(problem, &best, unexplained);
     let (blind, bearing) = detectable(problem, &visible);
     let diagnosis = Diagnosis {
         verdict,
         health: about.health.clone(),
         warnings: Vec::new(),
-        samples: Samples::default(),
-        motion: problem.first.data.motion_use.clone(),
-        visits: problem.first.data.visits,
+        samples: SampleCount::default(),
+        motion: problem.first().data.motion_use.clone(),
+        visits: problem.first().data.visits,
         closure,
         again: noise::untold(problem, verdict)
-            .and_then(|untold| Again::of(untold, problem.first.model, &problem.first.data)),
+            .and_then(|untold| Again::of(untold, problem.first().model, &problem.first().data)),
         masses_are_cad: problem.masses_are_cad,
         sentence: String::new(),
         lead: String::new(),
@@ -140,30 +168,30 @@ pub fn find<'m>(
         support: about.support.to_string(),
         log: about.log.to_string(),
         times: None,
-        postures: problem.first.data.postures,
-        postures_used: problem.first.data.len(),
+        postures: problem.first().data.postures,
+        postures_used: problem.first().data.len(),
         prior: about.prior.clone(),
-        noise: problem.first.data.noise,
-        noise_floor: problem.first.data.noise_floor,
-        noise_source: problem.first.data.noise_source,
-        baseline: Gap {
-            rmse: baseline.rmse,
-            rmse_x: baseline.rmse_x,
-            rmse_y: baseline.rmse_y,
-            bias: baseline.bias,
-        },
+        noise: problem.first().data.noise,
+        noise_floor: problem.first().data.noise_floor,
+        noise_source: problem.first().data.noise_source,
+        baseline: baseline.gap.clone(),
         baseline_chi2: raw.chi2,
         steps,
-        last: last(held.last().unwrap_or(&start)),
+        last: Last {
+            rmse: end.gap.rmse,
+            rmse_x: end.gap.rmse_x,
+            rmse_y: end.gap.rmse_y,
+            left_out: end.left_out,
+        },
         indistinguishable: members.iter().map(|one| one.effects.clone()).collect(),
         class: members,
-        absorbed_by_masses: absorbed(problem, &best),
+        absorbed_by_masses: absorbed,
         unexplained,
         suspects,
         implausible,
         model_on_log: ModelOnLog::default(),
         leftover,
-        outliers: outliers(problem, &best),
+        outliers: outliers.collect(),
         blind,
         detectable: bearing,
         hypotheses_fitted: counted,
@@ -186,7 +214,7 @@ pub fn find<'m>(
 /// was implausible about a clearly better one, as a sentence. Nothing is missing where no robot has
 /// any.
 fn judged(search: &mut Search, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Option<String>) {
-    let whole = search.problem();
+    let whole = Arc::clone(&search.problem);
     let problem = &*whole;
     let mut better: Option<(f64, String)> = None;
     let mut pass_over = |score: f64, sentence: String| {
@@ -203,14 +231,11 @@ fn judged(search: &mut Search, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Op
     }
     let mut waiting = plausible.into_iter().peekable();
     let mut ranked: Vec<Fit> = Vec::new();
-    let mut settle = |batch: Vec<Fit>, ranked: &mut Vec<Fit>| {
-        let settled = each_long(batch, |fit| match stated::settle(problem, &fit) {
-            Some((own, settled)) => {
-                let sentence = implausible(&own, &settled);
-                let objective = settled.objective;
-                (Fit { objective, ..fit }, sentence)
-            }
-            None => (fit, None),
+    let mut settle_all = |batch: Vec<Fit>, ranked: &mut Vec<Fit>| {
+        let settled = each_long(batch, |fit| {
+            let (own, settled) = settle(problem, &fit);
+            let objective = settled.objective;
+            (Fit { objective, ..fit }, implausible(&own, &settled))
         });
         for (fit, sentence) in settled {
             match sentence {
@@ -230,7 +255,7 @@ fn judged(search: &mut Search, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Op
         {
             batch.push(fit);
         }
-        settle(batch, &mut ranked);
+        settle_all(batch, &mut ranked);
     }
     // What a term took of the masses' part, these may take themselves where they have settled.
     while let Some(best) = ranked.first().filter(|best| best.terms.len() > 1).cloned() {
@@ -244,7 +269,7 @@ fn judged(search: &mut Search, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Op
             let known = ranked.iter().any(|own| own.terms == fit.terms);
             !known && implausible(problem, fit).is_none()
         });
-        settle(fewer, &mut ranked);
+        settle_all(fewer, &mut ranked);
         if ranked[0].terms == best.terms {
             break;
         }
@@ -257,12 +282,6 @@ fn judged(search: &mut Search, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Op
     (ranked, better.map(|(_, sentence)| sentence))
 }
 
-/// The score of a fit where its own masses are.
-fn settled_score(problem: &Problem, fit: &Fit) -> f64 {
-    let settled = stated::settle(problem, fit);
-    settled.map_or(fit.objective, |(_, own)| own.objective) + fit.penalty
-}
-
 /// What an explanation leaves. Where masses end far from CAD's, their linearisation about CAD
 /// leaves some of it, and not the explanation: more than noise is asked for once they have settled.
 fn misfit(problem: &Problem, fit: &Fit) -> Misfit {
@@ -270,15 +289,17 @@ fn misfit(problem: &Problem, fit: &Fit) -> Misfit {
     if !about_cad.is_clear() {
         return about_cad;
     }
-    let settled = stated::settle(problem, fit);
-    let settled = settled.map(|(own, fit)| Misfit::of(&own, &fit));
-    let less = settled.filter(|settled| settled.chi2 < about_cad.chi2);
-    less.unwrap_or(about_cad)
+    let (own, fit) = settle(problem, fit);
+    let settled = Misfit::of(&own, &fit);
+    if settled.chi2 < about_cad.chi2 {
+        return settled;
+    }
+    about_cad
 }
 
 /// What of an explanation no robot has, as a sentence.
 fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
-    let context = &problem.first.context;
+    let context = &problem.first().context;
     let found = words::values(problem, fit);
     let of = |name: &str| {
         fit.terms
@@ -331,31 +352,135 @@ fn class(best: &Fit, near: Vec<Fit>) -> Vec<Fit> {
     class
 }
 
-/// Whether more postures are outliers than outliers can explain.
-fn too_many_outliers(fit: &Fit) -> bool {
-    let share = |o: &Outliers| o.named().len() as f64 / o.chance.len() as f64;
-    fit.outliers
-        .as_ref()
-        .is_some_and(|o| share(o) > criteria::OUTLIER_SHARE)
+/// The steps in the order in which they close the gap, `told` by their places among the terms.
+fn steps_told(
+    problem: &Problem,
+    best: &Fit,
+    told: &[usize],
+    held: &[HeldOut],
+    evidence: &[f64],
+) -> Vec<Step> {
+    let (context, values) = (&problem.first().context, words::values(problem, best));
+    let quantity = |found: &words::NamedValue<'static>| {
+        let (value, std) = (found.value, found.std);
+        (found.name, Quantity { value, std })
+    };
+    let step = |(k, &at): (usize, &usize)| {
+        let (term, values) = (&best.terms[at], &values[at]);
+        let (rmse_before, rmse_after) = (held[k].gap.rmse, held[k + 1].gap.rmse);
+        let way = match rmse_after > rmse_before {
+            true => "rises",
+            false => "falls",
+        };
+        Step {
+            effect: term.name(),
+            target: term.target_name(context),
+            acts_on: ActsOn::of(term, context),
+            parameters: values.iter().map(quantity).collect(),
+            fitted: term.fitted(context),
+            rmse_before,
+            rmse_after,
+            evidence: evidence[k],
+            sentence: format!(
+                "{}: the held-out gap {way} from {:.2} mm to {:.2} mm.",
+                capital(&words::clause(context, term, values)),
+                1e3 * rmse_before,
+                1e3 * rmse_after
+            ),
+            remedy: Remedy::default(),
+        }
+    };
+    told.iter().enumerate().map(step).collect()
 }
 
-/// χ² of the robot with CAD masses in the log that is reported.
-fn raw_misfit(problem: &Problem) -> Misfit {
-    let block = &problem.first;
-    let out = block.evaluate(&[], &[], &block.data.q, &block.data.posture_context);
-    let gaps = block.residual(&out);
-    let whole = gaps
+/// The explanations of a class, as they are listed.
+fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
+    let context = &problem.first().context;
+    let first = class.first().map_or(0.0, Fit::score);
+    class
         .iter()
-        .enumerate()
-        .map(|(row, gap)| gap * block.widened[row % 2]);
-    Misfit {
-        chi2: whole.map(|gap| gap.powi(2)).sum(),
-        expected: out.len() as f64,
-        rows_per_sample: block.rows_per_sample(),
-    }
+        .filter(|f| !f.terms.is_empty())
+        .map(|fit| {
+            let values = words::values(problem, fit);
+            let clauses = fit.terms.iter().zip(&values);
+            let clauses = clauses.map(|(i, v)| words::clause(context, i, v));
+            let subjects = fit.terms.iter().map(|term| term.subject(context));
+            Member {
+                effects: fit.terms.iter().map(|i| i.label(context)).collect(),
+                score_difference: fit.score() - first,
+                sentence: capital(&clauses.collect::<Vec<_>>().join(", with ")),
+                subjects: subjects.collect::<Vec<_>>().join(" with "),
+                com_apart: None,
+            }
+        })
+        .collect()
 }
 
-fn absorbed(problem: &Problem, best: &Fit) -> f64 {
-    let shift = problem.mass_shift(best);
-    crate::observations::postures::rms(shift.iter().zip(&problem.first.weight).map(|(s, w)| s / w))
+/// What the best explanation leaves, and what that goes with where it is unexplained.
+fn rest(problem: &Problem, best: &Fit, unexplained: bool) -> (Leftover, Vec<Suspect>) {
+    let now = Misfit::of(problem, best);
+    let suspects = match unexplained && now.is_clear() {
+        true => suspects(problem, best),
+        false => Vec::new(),
+    };
+    let leftover = Leftover {
+        chi2: now.chi2,
+        expected: now.expected,
+        suspect_share: suspects.first().map_or(0.0, |first| first.1),
+    };
+    let suspects = suspects.into_iter().map(|(suspect, _)| suspect);
+    (leftover, suspects.collect())
+}
+
+/// Joint offsets with the size from which this log shows them: those that it hardly shows, the
+/// largest first, and those of the joints that carry most of the mass, the smallest first.
+fn detectable(problem: &Problem, visible: &[(Term, f64)]) -> (Vec<Blind>, Vec<Blind>) {
+    let context = &problem.first().context;
+    let reach = context.robot.reach();
+    let mut spots = Vec::new();
+    for (term, chi2) in visible {
+        let Some(instance) = term.effect() else {
+            continue;
+        };
+        if !instance.effect.reports_smallest_detectable() {
+            continue;
+        }
+        let scales = term.scales(context);
+        let from = scales[0] * (criteria::VISIBLE / chi2.max(1e-9)).sqrt();
+        let parameters = instance.effect.parameters(context, &instance.target);
+        let unit = parameters.first().map_or(Unit::One, |p| p.unit);
+        spots.push(Blind {
+            effect: term.label(context),
+            target: context.name_of(&instance.target),
+            from,
+            size: match unit.shown() {
+                _ if unit == Unit::Radian && from > FRAC_PI_2 => "over 90°".to_string(),
+                // More than the whole robot reaches.
+                _ if unit == Unit::Metre && from > reach => {
+                    format!("over {:.0} mm", 1e3 * reach)
+                }
+                (factor, symbol) => {
+                    let digits = (1.0 - (factor * from).log10().floor()).clamp(0.0, 3.0) as usize;
+                    let gap = if symbol == "°" { "" } else { " " };
+                    format!("{:.digits$}{gap}{symbol}", factor * from)
+                }
+            },
+        });
+    }
+    spots.sort_by(|a, b| a.from.total_cmp(&b.from));
+    let bodies = &context.robot.chain.bodies;
+    let carried = |spot: &Blind| {
+        let body = bodies
+            .iter()
+            .find(|body| body.joint.as_ref() == Some(&spot.target));
+        body.map_or(0.0, |body| body.carried)
+    };
+    let most = spots.iter().map(carried).fold(0.0, f64::max);
+    let half = most.min(0.5 * bodies[0].carried);
+    let bearing = spots.iter().filter(|spot| carried(spot) >= half).cloned();
+    let bearing = bearing.collect();
+    // A smaller offset than this is no gap in what the log shows.
+    spots.retain(|spot| spot.from >= criteria::SMALLEST_REPORTED);
+    spots.reverse();
+    (spots, bearing)
 }

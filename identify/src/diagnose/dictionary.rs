@@ -11,29 +11,27 @@
 use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::PostureContext;
 
 use super::criteria;
 use super::hypothesis::{Term, effect_terms};
 use super::nuisance::Nuisance;
-use super::problem::{ALL, Block, Fit, Problem, stacked_residual, stacked_slopes};
+use super::problem::{ALL, Block, Fit, Problem, side, stacked_residual, stacked_slopes};
 use crate::lsq::{factor_normal, transposed_times};
 use crate::threads::each_long;
 
 /// Candidates whose columns are made and projected together.
 const PART: usize = 64;
 
-pub struct Dictionary {
+pub(super) struct Dictionary {
     pub candidates: Vec<Candidate>,
     /// Whitened slopes Z, all candidates side by side.
     slopes: DMatrix<f64>,
-    /// Zᵀ S Z of each candidate: the same for all residuals.
-    squares: Vec<DMatrix<f64>>,
-    /// The same where masses are within the usual tolerances of CAD.
-    wide_squares: Vec<DMatrix<f64>>,
+    /// Zᵀ S Z of each candidate, the same for all residuals: beside masses within the prior, and
+    /// within the usual tolerances of CAD.
+    squares: [Vec<DMatrix<f64>>; 2],
 }
 
-pub struct Candidate {
+pub(super) struct Candidate {
     pub term: Term,
     /// Its column is what a start does, for effects that have no slope at none.
     started: bool,
@@ -43,16 +41,17 @@ pub struct Candidate {
 
 impl Dictionary {
     /// Slopes at joint positions `q` of each block, those of the logs unless given.
-    pub fn new(problem: &Problem, q: Option<&[Vec<f64>]>) -> Dictionary {
-        let context = &problem.first.context;
+    pub(super) fn new(problem: &Problem, q: Option<&[Vec<f64>]>) -> Dictionary {
+        let context = &problem.first().context;
         let contexts: Vec<Cow<[f64]>> = problem
-            .blocks()
+            .blocks
+            .iter()
             .enumerate()
             .map(|(at, block)| sides_at(block, q.map_or(&block.data.q, |q| &q[at])).into())
             .collect();
         let predicted =
             |terms: &[Term], unknowns: &[f64]| problem.predict(terms, unknowns, &contexts, q);
-        let none = stacked_residual(predicted(&[], &[]).iter());
+        let none = stacked_residual(&predicted(&[], &[]));
         let terms = effect_terms(context);
         let rows = none.len();
         let count: usize = terms.iter().map(|term| term.unknowns(context)).sum();
@@ -63,11 +62,11 @@ impl Dictionary {
             let starts = term.starts(context);
             if starts.len() == 1 {
                 let slopes = predicted(own, &starts[0]);
-                return (false, stacked_slopes(slopes.iter(), term.unknowns(context)));
+                return (false, stacked_slopes(&slopes, term.unknowns(context)));
             }
             // No slope at none: what each start does, as one direction each, of which the
             // strongest stands for it.
-            let with = stacked_residual(predicted(own, &starts[starts.len() / 3]).iter());
+            let with = stacked_residual(&predicted(own, &starts[starts.len() / 3]));
             // A residual falls by what its prediction rises.
             (true, DMatrix::from_columns(&[&none - with]))
         };
@@ -86,15 +85,15 @@ impl Dictionary {
         }
         let mut dictionary = Dictionary {
             slopes: DMatrix::from_vec(rows, columns.len() / rows, columns),
-            squares: Vec::new(),
-            wide_squares: Vec::new(),
+            squares: [Vec::new(), Vec::new()],
             candidates,
         };
-        dictionary.squares = dictionary.squares_beside(problem, &problem.nuisance);
-        dictionary.wide_squares = match problem.is_wider() {
+        let own = dictionary.squares_beside(problem, problem.masses(&[]));
+        let wide = match problem.is_wider() {
             true => dictionary.squares_beside(problem, problem.masses(&[Term::Masses])),
-            false => dictionary.squares.clone(),
+            false => own.clone(),
         };
+        dictionary.squares = [own, wide];
         dictionary
     }
 
@@ -129,9 +128,9 @@ impl Dictionary {
     }
 
     /// χ² that each candidate of ordinary size would have in this log.
-    pub fn visible(&self, problem: &Problem) -> Vec<(Term, f64)> {
+    pub(super) fn visible(&self, problem: &Problem) -> Vec<(Term, f64)> {
         let of = |(c, square): (&Candidate, &DMatrix<f64>)| {
-            let scales = c.term.scales(&problem.first.context);
+            let scales = c.term.scales(&problem.first().context);
             let ordinary = match c.count == scales.len() && !c.started {
                 true => DVector::from_vec(scales),
                 false => DVector::from_element(c.count, 1.0),
@@ -139,64 +138,60 @@ impl Dictionary {
             let chi2 = ordinary.dot(&(square * &ordinary));
             (c.term.clone(), chi2.max(0.0))
         };
-        self.candidates.iter().zip(&self.squares).map(of).collect()
+        self.candidates
+            .iter()
+            .zip(&self.squares[0])
+            .map(of)
+            .collect()
     }
 
     /// How far each candidate would lower the objective of `fit`, to first order.
-    pub fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
+    pub(super) fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
         let masses = problem.masses(&fit.terms);
         let own = fit.unknowns.len();
-        let mut residual = fit.residual();
-        let root = problem.root_weights(fit, ALL);
-        let weights = root.iter().flatten();
-        residual.iter_mut().zip(weights).for_each(|(e, w)| *e *= w);
+        // Slopes count as they are, residuals by their weights.
+        let mut residual = DMatrix::from_columns(&[fit.residual()]);
+        let weighting = problem.weighting(&fit.terms, fit.outliers.as_ref(), ALL);
+        weighting.weigh(&mut residual);
         let mut rows = fit.slopes().insert_column(own, 0.0);
-        rows.set_column(own, &residual);
+        rows.set_column(own, &residual.column(0));
         let left = problem.project_out(masses, &rows);
         let of_own = transposed_times(&rows, &left);
         let of_all = transposed_times(&self.slopes, &left);
         let factor = factor_normal(of_own.view((0, 0), (own, own)).into_owned());
-        let pull = of_own.view((0, own), (own, 1)).into_owned();
-        let squares = match fit.frees_masses() {
-            true => &self.wide_squares,
-            false => &self.squares,
-        };
-        self.candidates
-            .iter()
-            .zip(squares)
-            .map(|(c, square)| {
-                let mut a = square.clone();
-                let mut b = of_all
-                    .view((c.from, own), (c.count, 1))
-                    .column(0)
-                    .into_owned();
-                let whole: Vec<f64> = (0..c.count).map(|k| a[(k, k)]).collect();
-                if let (Some(factor), true) = (&factor, own > 0) {
-                    let cross = of_all.view((c.from, 0), (c.count, own));
-                    a -= cross * factor.solve(&cross.transpose());
-                    b -= cross * factor.solve(&pull);
-                }
-                gain(a, &b, &whole)
-            })
-            .collect()
+        let pull = of_own.view((0, own), (own, 1)).column(0).into_owned();
+        let squares = &self.squares[usize::from(fit.frees_masses())];
+        let candidates = self.candidates.iter().zip(squares);
+        let gains = candidates.map(|(c, square)| {
+            let b = of_all
+                .view((c.from, own), (c.count, 1))
+                .column(0)
+                .into_owned();
+            let taken = factor.as_ref().filter(|_| own > 0).map(|factor| {
+                let cross = of_all.view((c.from, 0), (c.count, own)).into_owned();
+                (
+                    cross.clone() * factor.solve(&cross.transpose()),
+                    cross * factor.solve(&pull),
+                )
+            });
+            gain(square, b, taken)
+        });
+        gains.collect()
     }
 
     /// Gains of one candidate with whitened residuals of another model of the same
     /// slopes, `left` of which is no mass error: for wiring faults, tried by the hundred.
-    pub fn gains_of(&self, left: &DVector<f64>) -> Vec<f64> {
+    pub(super) fn gains_of(&self, left: &DVector<f64>) -> Vec<f64> {
         let b = self.slopes.tr_mul(left);
         self.candidates
             .iter()
-            .zip(&self.squares)
-            .map(|(c, a)| {
-                let whole: Vec<f64> = (0..c.count).map(|k| a[(k, k)]).collect();
-                gain(a.clone(), &b.rows(c.from, c.count).into_owned(), &whole)
-            })
+            .zip(&self.squares[0])
+            .map(|(c, square)| gain(square, b.rows(c.from, c.count).into_owned(), None))
             .collect()
     }
 
     /// Every pair's gain, by their places among the candidates.
-    pub fn pairs(
+    pub(super) fn pairs(
         &self,
         problem: &Problem,
         residual: &DVector<f64>,
@@ -204,63 +199,65 @@ impl Dictionary {
     ) {
         let width = self.slopes.ncols();
         let mut gram = DMatrix::zeros(width, width);
-        self.in_parts(problem, &problem.nuisance, |some, slopes, left| {
+        self.in_parts(problem, problem.masses(&[]), |some, slopes, left| {
             gram.columns_mut(some[0].from, slopes.ncols())
                 .copy_from(&transposed_times(&self.slopes, left));
         });
-        let left = problem.project_out_one(&problem.nuisance, residual);
+        let left = problem.project_out_one(problem.masses(&[]), residual);
         let b = self.slopes.tr_mul(&left);
+        let square = |c: &Candidate| {
+            let own = gram.view((c.from, c.from), (c.count, c.count));
+            own.into_owned()
+        };
         for (i, first) in self.candidates.iter().enumerate() {
-            let aa = gram
-                .view((first.from, first.from), (first.count, first.count))
-                .into_owned();
-            let mut safe = aa.clone();
-            for k in 0..first.count {
-                safe[(k, k)] = safe[(k, k)] * (1.0 + criteria::COPIED) + 1e-12;
-            }
-            let Some(factor) = safe.cholesky() else {
+            let Some(factor) = safe(square(first), &square(first)).cholesky() else {
                 continue;
             };
             let ba = b.rows(first.from, first.count).into_owned();
-            let alone = ba.dot(&factor.solve(&ba));
             let solved = factor.solve(&ba);
+            let alone = ba.dot(&solved);
             for (j, second) in self.candidates.iter().enumerate().skip(i + 1) {
                 let cross = gram.view((second.from, first.from), (second.count, first.count));
-                let mut a = gram
-                    .view((second.from, second.from), (second.count, second.count))
-                    .into_owned();
-                let whole: Vec<f64> = (0..second.count).map(|k| a[(k, k)]).collect();
-                a -= cross * factor.solve(&cross.transpose());
-                let bb = b.rows(second.from, second.count) - cross * &solved;
-                each(i, j, alone + gain(a, &bb, &whole));
+                let taken = (cross * factor.solve(&cross.transpose()), cross * &solved);
+                let bb = b.rows(second.from, second.count).into_owned();
+                each(i, j, alone + gain(&square(second), bb, Some(taken)));
             }
         }
     }
 }
 
-/// `bᵀ A⁻¹ b`, directions that others have copied (measured by `whole`) left out.
-fn gain(mut a: DMatrix<f64>, b: &DVector<f64>, whole: &[f64]) -> f64 {
-    for (k, whole) in whole.iter().enumerate() {
-        a[(k, k)] += criteria::COPIED * whole + 1e-12;
+/// `bᵀ A⁻¹ b` once others have taken their part of A, a `square`, and of b; directions that they
+/// have copied are left out.
+fn gain(
+    square: &DMatrix<f64>,
+    mut b: DVector<f64>,
+    taken: Option<(DMatrix<f64>, DVector<f64>)>,
+) -> f64 {
+    let mut a = square.clone();
+    if let Some((of_square, of_b)) = taken {
+        a -= of_square;
+        b -= of_b;
     }
-    match a.cholesky() {
-        Some(factor) => b.dot(&factor.solve(b)).max(0.0),
+    match safe(a, square).cholesky() {
+        Some(factor) => b.dot(&factor.solve(&b)).max(0.0),
         None => 0.0,
     }
 }
 
+/// A matrix that can be solved where its columns are copies of others.
+fn safe(mut a: DMatrix<f64>, whole: &DMatrix<f64>) -> DMatrix<f64> {
+    for k in 0..a.nrows() {
+        a[(k, k)] += criteria::COPIED * whole[(k, k)] + 1e-12;
+    }
+    a
+}
+
 /// Posture context with every joint on the side where gravity puts it.
 fn sides_at(block: &Block, q: &[f64]) -> Vec<f64> {
-    let layout = PostureContext::of(block.context.robot);
-    let dof = block.context.robot.dof();
     let mut posture_context = block.data.posture_context.clone();
-    let moments = block.moments_at(q);
-    for k in 0..block.data.len() {
-        for joint in 0..dof {
-            let moment = moments[k * 3 * dof + joint];
-            posture_context[k * layout.len() + layout.side(joint)] =
-                if moment < 0.0 { -1.0 } else { 1.0 };
-        }
-    }
+    let (dof, moments) = (block.context.robot.dof(), block.moments_at(q));
+    block.put_sides(&mut posture_context, 0..dof, |k, joint, _| {
+        side(moments[k * 3 * dof + joint])
+    });
     posture_context
 }

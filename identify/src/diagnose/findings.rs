@@ -1,29 +1,26 @@
-//! What a diagnosis says, and what it was made of.
+//! What a diagnosis says, what it leaves to be done, and what it was made of.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use sesc_model::effects::{EffectContext, Fitted, Target};
 
-use super::held_out::HeldOut;
-use super::hypothesis::Term;
+use super::hypothesis::{FREE_MASSES, Term};
 use super::problem::Fit;
+use crate::NextStep;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
 use crate::observations::revisits::Again;
-use crate::observations::samples::Samples;
+use crate::observations::sample_count::SampleCount;
 
 /// What a diagnosis comes to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename_all = "snake_case")
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Simulation and data agree.
     None,
@@ -71,12 +68,6 @@ impl Verdict {
         Verdict::ALL
             .into_iter()
             .find(|verdict| verdict.name() == name)
-    }
-}
-
-impl Serialize for Verdict {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
     }
 }
 
@@ -358,7 +349,7 @@ pub struct Diagnosis {
     /// Warnings about the logs as sentences.
     pub warnings: Vec<String>,
     /// Independent samples in the log.
-    pub samples: Samples,
+    pub samples: SampleCount,
     /// How motion of the joints counted.
     pub motion: MotionUse,
     /// Scatter between visits of a posture; none if no posture was visited again.
@@ -440,8 +431,82 @@ pub struct Diagnosis {
     pub left_out_of_urdf: Option<Vec<String>>,
 }
 
+impl Diagnosis {
+    /// The verdict in things to do, the most useful first.
+    pub fn next_steps(&self) -> Vec<NextStep> {
+        let mut steps = match self.verdict {
+            Verdict::Unusable => return vec![NextStep::Repair],
+            Verdict::TooShort => vec![NextStep::Plan {
+                support: self.support.clone(),
+            }],
+            Verdict::Unexplained => self.checks(),
+            Verdict::Class => vec![self.tell_apart(), NextStep::KeepModel],
+            Verdict::Named => vec![NextStep::Change, NextStep::KeepModel],
+            Verdict::Absorbed => vec![NextStep::GivePrior],
+            Verdict::None => {
+                let widest = self.blind.first().map(|blind| NextStep::WidenRange {
+                    joint: blind.target.clone(),
+                    unseen: blind.unseen(),
+                });
+                [NextStep::CompareLater].into_iter().chain(widest).collect()
+            }
+        };
+        let masses = |effects: &Vec<String>| effects.iter().any(|one| one == FREE_MASSES);
+        if self.masses_are_cad && self.indistinguishable.iter().any(masses) {
+            steps.insert(0, NextStep::RecordHealthy);
+        }
+        steps.extend(self.again.as_ref().map(Again::step));
+        if self.verdict != Verdict::None {
+            steps.push(NextStep::LookAtPage);
+        }
+        steps
+    }
+
+    /// How to tell the explanations of a class apart.
+    fn tell_apart(&self) -> NextStep {
+        let next = &self.next_postures;
+        let best = next.experiments.first().filter(|best| best.splits > 0);
+        match (best.map(|best| best.what.clone()), next.file.clone()) {
+            (Some(experiment), Some(file)) => NextStep::TakePostures { experiment, file },
+            (Some(experiment), None) => NextStep::WritePostures { experiment },
+            (None, _) => NextStep::LookAtRobot,
+        }
+    }
+
+    /// What to check on the robot where nothing known explains the log, by what is left over.
+    fn checks(&self) -> Vec<NextStep> {
+        let open = self.closure.as_ref().filter(|closure| !closure.closes);
+        let followed = self.suspects.first().map(|suspect| match suspect {
+            Suspect::Place => NextStep::CheckRecording,
+            Suspect::Position(joint) => NextStep::CheckJoint {
+                joint: joint.clone(),
+            },
+            Suspect::Moment(joint) => NextStep::CheckLoad {
+                joint: joint.clone(),
+            },
+        });
+        let always = [
+            NextStep::CheckContact,
+            NextStep::CheckLengths,
+            NextStep::RecordAgain,
+        ];
+        let soles = open.map(|_| NextStep::CheckSoles);
+        soles.into_iter().chain(followed).chain(always).collect()
+    }
+}
+
+/// Errors of predicted readings, m; outliers, and postures that a dead band
+/// leaves on the side that gravity does not favour, are counted apart.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct HeldOut {
+    pub gap: Gap,
+    /// reading − prediction per entry; NaN where left out.
+    pub errors: Vec<f64>,
+    pub left_out: usize,
+}
+
 /// A diagnosis with what reports, models and experiments are made from.
-pub(crate) struct Explained {
+pub(super) struct Explained {
     pub diagnosis: Diagnosis,
     /// The explanation, fitted.
     pub best: Fit,
@@ -453,7 +518,7 @@ pub(crate) struct Explained {
 }
 
 /// Names for the report.
-pub(crate) struct About<'a> {
+pub(super) struct About<'a> {
     pub robot: &'a str,
     pub support: &'a str,
     pub log: &'a str,

@@ -3,42 +3,29 @@
 use super::hypothesis::Term;
 
 use super::criteria;
-use super::problem::{Fit, Problem, RowSelection};
+use super::findings::{Gap, HeldOut};
+use super::problem::{Fit, Problem};
 use crate::observations::correlation::step;
 use crate::observations::postures::rms;
-
-/// Errors of predicted readings, m; outliers, and postures that a dead band
-/// leaves on the side that gravity does not favour, are counted apart.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HeldOut {
-    pub rmse: f64,
-    pub rmse_x: f64,
-    pub rmse_y: f64,
-    /// Mean error by axis.
-    pub bias: [f64; 2],
-    /// reading − prediction per entry; NaN where left out.
-    pub errors: Vec<f64>,
-    pub left_out: usize,
-}
 
 /// Part that each posture is held out with: stretches of a log in time, several times as
 /// long as noise lasts; of a log without times every 20th posture. Visits of a posture are held
 /// out together.
 pub(super) fn parts(problem: &Problem) -> Vec<usize> {
-    let n = problem.first.data.len();
+    let n = problem.first().data.len();
     let most = criteria::FOLDS.min(n);
     let timed = problem
-        .first
+        .first()
         .data
         .t
-        .as_ref()
+        .as_deref()
         .is_some_and(|t| step(t).is_some());
     // Noise lasts half as many rows as an independent one takes.
     let lasts = 0.5 * problem.rows_per_sample();
     let stretches = (n as f64 / (criteria::HELD_OUT_TIMES * lasts)) as usize;
     let folds = stretches.clamp(2.min(n), most);
     let part = |k: usize, n: usize| if timed { k * folds / n } else { k % most };
-    let first = &problem.first.data.first_visits;
+    let first = &problem.first().data.first_visits;
     if first.is_empty() {
         return (0..n).map(|k| part(k, n)).collect();
     }
@@ -50,17 +37,16 @@ pub(super) fn parts(problem: &Problem) -> Vec<usize> {
 
 /// Cross-validation of a hypothesis: each posture predicted without itself. Postures
 /// that are `apart` do not count.
-pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut {
-    let n = problem.first.data.len();
-    if whole.terms.is_empty() && problem.nuisance.is_negligible() {
+pub(super) fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut {
+    let n = problem.first().data.len();
+    if whole.terms.is_empty() && problem.masses(&[]).is_negligible() {
         return of_errors(errors_of(problem, whole, None), apart);
     }
     let parts = parts(problem);
     let mut errors = vec![f64::NAN; 2 * n];
     for fold in 0..=parts.iter().copied().max().unwrap_or(0) {
         let keep: Vec<bool> = parts.iter().map(|part| *part != fold).collect();
-        let rows = RowSelection { keep: Some(&keep) };
-        let fit = problem.fit(&whole.terms, Some(&whole.unknowns), rows);
+        let fit = problem.fit(&whole.terms, Some(whole), Some(&keep));
         let own = errors_of(problem, &fit, Some(&keep));
         for k in (0..n).filter(|k| !keep[*k]) {
             errors[2 * k] = own[2 * k];
@@ -71,21 +57,13 @@ pub fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut
 }
 
 /// Errors of the robot with CAD masses.
-pub fn of_cad(problem: &Problem) -> HeldOut {
-    let n = problem.first.data.len();
-    let out = problem.first.evaluate(
-        &[],
-        &[],
-        &problem.first.data.q,
-        &problem.first.data.posture_context,
-    );
-    let errors = problem
-        .first
-        .data
-        .reading
-        .iter()
-        .zip(&out)
-        .map(|(y, p)| y - p);
+pub(super) fn of_cad(problem: &Problem) -> HeldOut {
+    let n = problem.first().data.len();
+    let data = &problem.first().data;
+    let out = problem
+        .first()
+        .evaluate(&[], &[], &data.q, &data.posture_context);
+    let errors = data.reading.iter().zip(&out).map(|(y, p)| y - p);
     of_errors(errors.collect(), &vec![false; n])
 }
 
@@ -93,30 +71,29 @@ pub fn of_cad(problem: &Problem) -> HeldOut {
 pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> Vec<f64> {
     let shift = match &fit.masses {
         Some(_) => problem.mass_shift(fit),
-        None => problem.mass_shift_of(fit, RowSelection { keep }),
+        None => problem.mass_shift_of(fit, keep),
     };
-    let left = fit.first.residual.iter().zip(shift.iter());
-    let left = left.zip(&problem.first.weight);
+    let left = fit.blocks[0].residual.iter().zip(shift.iter());
+    let left = left.zip(&problem.first().weight);
     left.map(|((e, s), w)| (e - s) / w).collect()
 }
 
 /// Postures that no prediction is to be judged by.
-pub fn apart(problem: &Problem, fit: &Fit) -> Vec<bool> {
+pub(super) fn apart(problem: &Problem, fit: &Fit) -> Vec<bool> {
     apart_on_the_way(problem, fit, fit)
 }
 
 /// Postures that a step towards `best` is not judged by: where it has outliers or dead
 /// bands, those that `best` leaves out for them. The step's own would not do: an effect
 /// that is still missing makes every posture look like an outlier.
-pub fn apart_on_the_way(problem: &Problem, step: &Fit, best: &Fit) -> Vec<bool> {
-    let slack = step.terms.iter().any(|term| term.dead_band().is_some());
+pub(super) fn apart_on_the_way(problem: &Problem, step: &Fit, best: &Fit) -> Vec<bool> {
     let outlying = step.terms.contains(&Term::Outliers);
-    let mut apart = vec![false; problem.first.data.len()];
+    let mut apart = vec![false; problem.first().data.len()];
     if let Some(outliers) = best.outliers.as_ref().filter(|_| outlying) {
         outliers.named().into_iter().for_each(|k| apart[k] = true);
     }
-    if slack {
-        best.first.flipped.iter().for_each(|&k| apart[k] = true);
+    if step.is_loose() {
+        best.blocks[0].flipped.iter().for_each(|&k| apart[k] = true);
     }
     apart
 }
@@ -135,32 +112,34 @@ fn of_errors(mut errors: Vec<f64>, apart: &[bool]) -> HeldOut {
     let (x, y) = (axis(0), axis(1));
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
     HeldOut {
-        rmse: rms(x.iter().chain(&y).copied()),
-        rmse_x: rms(x.iter().copied()),
-        rmse_y: rms(y.iter().copied()),
-        bias: [mean(&x), mean(&y)],
+        gap: Gap {
+            rmse: rms(x.iter().chain(&y).copied()),
+            rmse_x: rms(x.iter().copied()),
+            rmse_y: rms(y.iter().copied()),
+            bias: [mean(&x), mean(&y)],
+        },
         left_out: apart.iter().filter(|a| **a).count(),
         errors,
     }
 }
 
-/// Effects in the order in which they close the gap: each next one the one that
-/// lowers the objective most beside those before.
-pub fn order(best: &Fit, fit: &mut dyn FnMut(&[Term]) -> Fit) -> Vec<Fit> {
-    let mut left = best.terms.clone();
+/// Effects in the order in which they close the gap, each by its place among those of `best` and
+/// with those before it: the next one is the one that lowers the objective most beside them.
+pub(super) fn order(best: &Fit, fit: &mut dyn FnMut(&[Term]) -> Fit) -> Vec<(usize, Fit)> {
+    let mut left: Vec<usize> = (0..best.terms.len()).collect();
     let mut taken: Vec<Term> = Vec::new();
     let mut steps = Vec::new();
     while !left.is_empty() {
-        let tried = left.iter().enumerate().map(|(k, next)| {
-            let mut terms = taken.clone();
-            terms.push(next.clone());
+        let tried = left.iter().enumerate().map(|(k, &place)| {
+            let terms = [&taken[..], &best.terms[place..=place]].concat();
             (k, fit(&terms))
         });
         let (k, next) = tried
             .min_by(|a, b| a.1.score().total_cmp(&b.1.score()))
             .expect("something is left");
-        taken.push(left.remove(k));
-        steps.push(next);
+        let place = left.remove(k);
+        taken.push(best.terms[place].clone());
+        steps.push((place, next));
     }
     steps
 }

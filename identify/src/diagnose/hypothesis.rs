@@ -20,7 +20,7 @@ use sesc_model::effects::{
 
 /// One term of a hypothesis.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Term {
+pub(super) enum Term {
     /// An effect at its target.
     Effect(Instance),
     /// Noise of two widths: a few readings come from elsewhere.
@@ -36,13 +36,11 @@ pub const FREE_MASSES: &str = FREED.0;
 /// Names and subjects of terms that are no effects.
 const FREED: (&str, &str) = ("mass_distribution", "masses that differ from CAD");
 const OUTLIERS: (&str, &str) = ("cop_outliers", "a few readings that come from elsewhere");
-/// Kinds of terms that are no effects.
-pub const MODELS: usize = 2;
 
 /// What a diagnosis may name that is no effect: its name, the kind of thing that it is about, and
 /// its page, which begins with a sentence.
 #[doc(hidden)]
-pub const MODEL_PAGES: [(&str, &str, &str); MODELS] = [
+pub const MODEL_PAGES: [(&str, &str, &str); 2] = [
     (
         FREE_MASSES,
         "the robot",
@@ -66,7 +64,7 @@ pub fn subject(effect: &str, target: &str) -> String {
 }
 
 /// Each of `terms` with the places of its unknowns among those of all.
-pub fn with_places<'t>(
+pub(super) fn with_places<'t>(
     terms: &'t [Term],
     context: &EffectContext,
 ) -> impl Iterator<Item = (&'t Term, Range<usize>)> {
@@ -80,7 +78,7 @@ pub fn with_places<'t>(
 
 impl Term {
     /// The effect, if it is one.
-    pub fn effect(&self) -> Option<&Instance> {
+    pub(super) fn effect(&self) -> Option<&Instance> {
         match self {
             Term::Effect(instance) => Some(instance),
             Term::Outliers | Term::Masses => None,
@@ -88,7 +86,7 @@ impl Term {
     }
 
     /// What is fitted for each parameter, if it is an effect.
-    pub fn fitted(&self, context: &EffectContext) -> BTreeMap<&'static str, Fitted> {
+    pub(super) fn fitted(&self, context: &EffectContext) -> BTreeMap<&'static str, Fitted> {
         let own = self.effect().map(|instance| {
             let parameters = instance.effect.parameters(context, &instance.target);
             parameters.iter().map(|own| (own.name, own.fitted))
@@ -97,17 +95,17 @@ impl Term {
     }
 
     /// When the effect acts, if it is one.
-    pub fn stage(&self) -> Option<Stage> {
+    pub(super) fn stage(&self) -> Option<Stage> {
         self.effect().map(|instance| instance.effect.stage())
     }
 
     /// Number of unknowns that a fit descends in.
-    pub fn unknowns(&self, context: &EffectContext) -> usize {
+    pub(super) fn unknowns(&self, context: &EffectContext) -> usize {
         self.effect().map_or(0, |i| i.unknowns(context))
     }
 
     /// Number of unknowns that the penalty counts.
-    pub fn penalised_unknowns(&self, context: &EffectContext) -> usize {
+    pub(super) fn penalised_unknowns(&self, context: &EffectContext) -> usize {
         match self {
             Term::Outliers => OUTLIER_UNKNOWNS,
             _ => self.unknowns(context),
@@ -115,36 +113,36 @@ impl Term {
     }
 
     /// An ordinary size of each unknown.
-    pub fn scales(&self, context: &EffectContext) -> Vec<f64> {
+    pub(super) fn scales(&self, context: &EffectContext) -> Vec<f64> {
         self.effect().map_or_else(Vec::new, |i| i.scales(context))
     }
 
     /// Where a fit may start.
-    pub fn starts(&self, context: &EffectContext) -> Vec<Vec<f64>> {
+    pub(super) fn starts(&self, context: &EffectContext) -> Vec<Vec<f64>> {
         self.effect()
             .map_or_else(|| vec![Vec::new()], |i| i.effect.starts(context, &i.target))
     }
 
     /// The parameters with the values that these unknowns mean.
-    pub fn values(&self, context: &EffectContext, unknowns: &[f64]) -> Vec<Value> {
+    pub(super) fn values(&self, context: &EffectContext, unknowns: &[f64]) -> Vec<Value> {
         self.effect()
             .map_or_else(Vec::new, |i| i.values(context, unknowns))
     }
 
     /// How far the unknowns are beyond what is physical, per bound.
-    pub fn bound_violation(&self, context: &EffectContext, unknowns: &[f64]) -> Vec<f64> {
+    pub(super) fn bound_violation(&self, context: &EffectContext, unknowns: &[f64]) -> Vec<f64> {
         self.effect().map_or_else(Vec::new, |i| {
             i.effect.bound_violation(context, &i.target, unknowns)
         })
     }
 
     /// The width that a fit begins with, where the first unknown is that of a dead band.
-    pub fn dead_band(&self) -> Option<f64> {
+    pub(super) fn dead_band(&self) -> Option<f64> {
         self.effect().and_then(|i| i.effect.dead_band())
     }
 
     /// What becomes of it in a further experiment.
-    pub fn in_experiment(&self, experiment: Experiment) -> Carry {
+    pub(super) fn in_experiment(&self, experiment: Experiment) -> Carry {
         match self {
             Term::Effect(i) => i.effect.in_experiment(experiment, &i.target),
             Term::Outliers => Carry::Gone,
@@ -153,7 +151,7 @@ impl Term {
     }
 
     /// Name of its kind in reports: `joint_offset`.
-    pub fn name(&self) -> &'static str {
+    pub(super) fn name(&self) -> &'static str {
         match self {
             Term::Effect(instance) => instance.effect.id().name(),
             Term::Outliers => OUTLIERS.0,
@@ -162,19 +160,19 @@ impl Term {
     }
 
     /// Name of its target in reports; `-` for the whole robot.
-    pub fn target_name(&self, context: &EffectContext) -> String {
+    pub(super) fn target_name(&self, context: &EffectContext) -> String {
         self.effect()
             .map_or_else(|| "-".to_string(), |i| i.target_name(context))
     }
 
     /// `joint_offset:l_knee`; the name alone where there is no target.
-    pub fn label(&self, context: &EffectContext) -> String {
+    pub(super) fn label(&self, context: &EffectContext) -> String {
         self.effect()
             .map_or_else(|| self.name().to_string(), |i| i.label(context))
     }
 
     /// The subject of a sentence about it: `an offset of l_knee`.
-    pub fn phrase(&self, context: &EffectContext) -> String {
+    pub(super) fn phrase(&self, context: &EffectContext) -> String {
         match self {
             Term::Effect(instance) => instance.phrase(context),
             Term::Outliers => OUTLIERS.1.to_string(),
@@ -188,7 +186,7 @@ impl Term {
     }
 
     /// Order among terms: that of the catalog, then the models, then targets.
-    pub fn rank(&self, context: &EffectContext) -> (usize, Target) {
+    pub(super) fn rank(&self, context: &EffectContext) -> (usize, Target) {
         let effects = context.catalog.iter().len();
         match self {
             Term::Effect(i) => (context.catalog.rank(i.effect.id()), i.target.clone()),
@@ -199,7 +197,7 @@ impl Term {
 
     /// Whether it may stand beside another: not twice, not one joint and all joints
     /// by the same effect, not two foot cells.
-    pub fn is_compatible(&self, other: &Term) -> bool {
+    pub(super) fn is_compatible(&self, other: &Term) -> bool {
         let (Some(a), Some(b)) = (self.effect(), other.effect()) else {
             return self.name() != other.name();
         };
@@ -211,18 +209,18 @@ impl Term {
 }
 
 /// The effects among terms, in their order.
-pub fn effects_of(terms: &[Term]) -> Vec<Instance> {
+pub(super) fn effects_of(terms: &[Term]) -> Vec<Instance> {
     terms.iter().filter_map(Term::effect).cloned().collect()
 }
 
 /// Every effect that the robot and its log allow, as terms.
-pub fn effect_terms(context: &EffectContext) -> Vec<Term> {
+pub(super) fn effect_terms(context: &EffectContext) -> Vec<Term> {
     let instances = effects::instances(context).into_iter();
     instances.map(Term::Effect).collect()
 }
 
 /// Terms in the order of their ranks.
-pub fn sorted(context: &EffectContext, terms: &[Term]) -> Vec<Term> {
+pub(super) fn sorted(context: &EffectContext, terms: &[Term]) -> Vec<Term> {
     let mut all = terms.to_vec();
     all.sort_by_cached_key(|term| term.rank(context));
     all
@@ -233,28 +231,13 @@ pub(super) struct CarriedExplanation {
     pub terms: Vec<Term>,
     /// Each of their unknowns: which one of the log's it is, and its sign.
     pub columns: Vec<(usize, f64)>,
+    /// Values of a last term that is known: of a weight that is carried.
+    pub known: Vec<f64>,
 }
 
 impl CarriedExplanation {
-    /// The explanation of the log itself.
-    pub fn same(terms: &[Term], context: &EffectContext) -> CarriedExplanation {
-        let unknowns: usize = terms.iter().map(|term| term.unknowns(context)).sum();
-        CarriedExplanation {
-            terms: terms.to_vec(),
-            columns: (0..unknowns).map(|k| (k, 1.0)).collect(),
-        }
-    }
-
     /// Slopes by the unknowns here as slopes by the `count` unknowns of the log.
-    pub fn by_unknowns(&self, slopes: DMatrix<f64>, count: usize) -> DMatrix<f64> {
-        if self
-            .columns
-            .iter()
-            .copied()
-            .eq((0..count).map(|k| (k, 1.0)))
-        {
-            return slopes;
-        }
+    pub(super) fn by_unknowns(&self, slopes: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
         let mut all = DMatrix::zeros(slopes.nrows(), count);
         for (own, &(k, sign)) in slopes.column_iter().zip(&self.columns) {
             let mut to = all.column_mut(k);
@@ -263,9 +246,10 @@ impl CarriedExplanation {
         all
     }
 
-    pub fn unknowns(&self, of_log: &[f64]) -> Vec<f64> {
+    pub(super) fn unknowns(&self, of_log: &[f64]) -> Vec<f64> {
         let columns = self.columns.iter();
-        columns.map(|(k, sign)| sign * of_log[*k]).collect()
+        let own = columns.map(|(k, sign)| sign * of_log[*k]);
+        own.chain(self.known.iter().copied()).collect()
     }
 }
 
@@ -280,9 +264,10 @@ fn moved(term: &Term, here: &EffectContext, there: &EffectContext) -> Option<Ter
     Some(Term::Effect(Instance { effect, target }))
 }
 
-/// What becomes of `terms` of the robot `here`, if anything, in an experiment `there`.
+/// What becomes of `terms` of the robot `here`, if anything, in an experiment `there`; all of them
+/// where it is none.
 pub(super) fn carried(
-    experiment: Experiment,
+    experiment: Option<Experiment>,
     here: &EffectContext,
     there: &EffectContext,
     terms: &[Term],
@@ -290,14 +275,19 @@ pub(super) fn carried(
     let mut carried = CarriedExplanation {
         terms: Vec::new(),
         columns: Vec::new(),
+        known: Vec::new(),
     };
     for (term, own) in with_places(terms, here) {
-        let factors = match term.in_experiment(experiment) {
+        let (there, carry) = match experiment {
+            None => (Some(term.clone()), Carry::Same),
+            Some(experiment) => (moved(term, here, there), term.in_experiment(experiment)),
+        };
+        let factors = match carry {
             Carry::Gone => continue,
             Carry::Scaled(factors) => factors,
             Carry::Same => vec![1.0; own.len()],
         };
-        let Some(there) = moved(term, here, there) else {
+        let Some(there) = there else {
             continue;
         };
         carried.terms.push(there);

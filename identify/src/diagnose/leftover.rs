@@ -1,4 +1,5 @@
-//! What no effect of the list explains: how much is left, and what it goes with.
+//! What no effect of the list explains: how much is left of readings and of soles, and what it
+//! goes with.
 //!
 //! ```text
 //! share = 1 − Σ_bins Σ (e − ē_bin)² / Σ (e − ē)² · (n − 1)/(n − bins)
@@ -9,19 +10,19 @@
 
 use sesc_model::effects::PostureContext;
 
+use super::criteria::{BINS, PER_BIN};
 use super::findings::Suspect;
+use super::outliers::Outliers;
 use super::problem::{Fit, Problem};
 use super::{criteria, held_out};
+use crate::feet::ClosureFound;
 
-/// Bins, at most, and the postures that each has to have.
-const BINS: usize = 10;
-const PER_BIN: usize = 6;
 /// Suspects that are listed.
 const LISTED: usize = 3;
 
 /// χ² of what is left against what noise leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Misfit {
+pub(super) struct Misfit {
     pub chi2: f64,
     pub expected: f64,
     /// Rows per independent one: χ² scatters as much more.
@@ -29,20 +30,20 @@ pub struct Misfit {
 }
 
 impl Misfit {
-    pub fn of(problem: &Problem, fit: &Fit) -> Misfit {
+    pub(super) fn of(problem: &Problem, fit: &Fit) -> Misfit {
         let masses = problem.masses(&fit.terms);
         let shift = problem.mass_shift(fit);
+        let outliers = fit.outliers.iter().flat_map(Outliers::named);
+        let outliers: Vec<usize> = outliers.collect();
         let (mut chi2, mut rows) = (0.0, 0.0);
-        let blocks = problem.blocks().zip(fit.blocks()).zip(problem.readings());
+        let blocks = problem
+            .blocks
+            .iter()
+            .zip(&fit.blocks)
+            .zip(problem.readings());
         for (at, ((block, own), range)) in blocks.enumerate() {
-            let apart = match at {
-                0 => held_out::apart(problem, fit),
-                _ => {
-                    let flipped = |k| own.flipped.contains(&k);
-                    (0..block.data.len()).map(flipped).collect()
-                }
-            };
-            for (row, at) in range.enumerate().filter(|(row, _)| !apart[row / 2]) {
+            let is_apart = |k: usize| own.flipped.contains(&k) || at == 0 && outliers.contains(&k);
+            for (row, at) in range.enumerate().filter(|(row, _)| !is_apart(row / 2)) {
                 // Against the noise as it is, however few samples the rows are worth.
                 let left = (own.residual[row] - shift[at]) * block.widened[row % 2];
                 chi2 += left.powi(2);
@@ -57,37 +58,30 @@ impl Misfit {
     }
 
     /// Standard deviations beyond what noise leaves.
-    pub fn deviations(self) -> f64 {
+    pub(super) fn deviations(self) -> f64 {
         (self.chi2 - self.expected) / (2.0 * self.expected * self.rows_per_sample).sqrt()
     }
 
-    pub fn is_clear(self) -> bool {
+    pub(super) fn is_clear(self) -> bool {
         self.deviations() > criteria::LEFTOVER_DEVIATIONS
             && self.chi2 > criteria::LEFTOVER_RATIO * self.expected
     }
 }
 
-/// Residuals (whitened, without what masses take) of the postures that judge, each with its
-/// posture.
-fn residuals(problem: &Problem, fit: &Fit) -> Vec<(usize, [f64; 2])> {
-    let shift = problem.mass_shift(fit);
-    let apart = held_out::apart(problem, fit);
-    let postures = (0..apart.len()).filter(|&k| !apart[k]);
-    let left = |row: usize| fit.first.residual[row] - shift[row];
-    postures
-        .map(|k| (k, [left(2 * k), left(2 * k + 1)]))
-        .collect()
-}
-
 /// What the residual goes with, each with its share of the scatter, the strongest first.
-pub fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
-    let residuals = residuals(problem, fit);
+pub(super) fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
+    let (shift, apart) = (problem.mass_shift(fit), held_out::apart(problem, fit));
+    let left = |row: usize| fit.blocks[0].residual[row] - shift[row];
+    // Whitened, without what masses take, of the postures that judge.
+    let postures = (0..apart.len()).filter(|&k| !apart[k]);
+    let residuals = postures.map(|k| (k, [left(2 * k), left(2 * k + 1)]));
+    let residuals: Vec<(usize, [f64; 2])> = residuals.collect();
     let (data, layout) = (
-        &problem.first.data,
-        PostureContext::of(problem.first.context.robot),
+        &problem.first().data,
+        PostureContext::of(problem.first().context.robot),
     );
-    let dofs = &problem.first.context.robot.tree.dofs;
-    let moments = problem.first.moments_at(&data.q);
+    let dofs = &problem.first().context.robot.tree.dofs;
+    let moments = problem.first().moments_at(&data.q);
     let place = |k: usize| data.posture_context[k * layout.len() + layout.place()];
     let mut found = vec![(Suspect::Place, share(&residuals, place))];
     for (j, dof) in dofs.iter().enumerate() {
@@ -126,4 +120,27 @@ fn share(residuals: &[(usize, [f64; 2])], of: impl Fn(usize) -> f64) -> f64 {
         return 0.0;
     }
     (1.0 - within / whole * (n - 1) as f64 / (n - bins) as f64).max(0.0)
+}
+
+/// Whether more is left of the soles than noise leaves.
+pub(super) fn is_open(problem: &Problem, fit: &Fit) -> bool {
+    let closure = problem.first().closure.as_deref();
+    closure
+        .zip(fit.blocks[0].closed.as_ref())
+        .is_some_and(|(closure, closed)| {
+            let (chi2, expected) = closure.chi2(&closed.residual);
+            chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * expected
+        })
+}
+
+/// What is said of the soles, by CAD (`null`) and with the explanation.
+pub(super) fn closure_found(problem: &Problem, null: &Fit, best: &Fit) -> Option<ClosureFound> {
+    let closure = problem.first().closure.as_deref()?;
+    let (before, after) = (
+        null.blocks[0].closed.as_ref()?,
+        best.blocks[0].closed.as_ref()?,
+    );
+    let found = closure.said(&before.residual, &after.residual);
+    let changed = !best.terms.is_empty() && found.after != found.before;
+    Some(found.explained(changed))
 }

@@ -5,9 +5,7 @@
 //!                                                        └→ experiments, next postures
 //! ```
 
-mod closure;
 mod com_spread;
-pub mod corrected_urdf;
 mod criteria;
 mod diagnosis;
 mod dictionary;
@@ -16,23 +14,16 @@ mod findings;
 mod held_out;
 mod hypothesis;
 mod leftover;
-mod model_check;
 mod model_file;
 mod motion;
-mod next_postures;
-mod next_steps;
 mod noise;
 mod nuisance;
 mod outliers;
 mod problem;
-mod recording;
 pub mod remedy;
-mod report;
 mod request;
 mod samples;
 mod search;
-mod stated;
-mod statements;
 #[cfg(test)]
 mod tests;
 mod verdict;
@@ -44,6 +35,7 @@ pub mod words;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub use criteria::{CLASS_SCORE, FLOOR_M, OVER_NOTHING};
+pub use experiment::NextLog;
 pub use findings::{
     ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Gap, Last, Leftover, Member, ModelOnLog,
     NextPostures, Quantity, Remedy, Step, Suspect, UrdfChange, Verdict,
@@ -51,5 +43,4 @@ pub use findings::{
 pub(crate) use hypothesis::FREE_MASSES;
 #[doc(hidden)]
 pub use hypothesis::{MODEL_PAGES, subject};
-pub use report::{NextLog, Report};
-pub use request::{Request, diagnose, look};
+pub use request::{Report, Request, diagnose, look};

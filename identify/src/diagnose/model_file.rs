@@ -1,43 +1,67 @@
-//! The corrected model as a file: parameters and effects.
+//! The corrected model as a file: parameters and effects, and what it predicts of the logs.
+//!
+//! ```text
+//! y(e, r) ≈ y(e, r_b) + ∂y/∂r (r − r_b)        r_b: where the fit before ended; CAD's at first
+//! min Σ_k χ²_k(e, r)                           sides = sign τ(e, r), or what the log knows of a
+//!                                              joint near no moment
+//! ```
+//!
+//! The search takes ∂y/∂r from the robot without effects: the product of an effect and a mass
+//! error is left out. Where both are large (a gain of 2, free masses) the file that holds both
+//! would not predict what was stated. Here ∂y/∂r and r_b are taken where the explanation ended,
+//! and it is fitted again (Gauss–Newton), until the file predicts what is stated.
+//!
+//! On which side of its dead band a loose joint rests, a log shows; a model file works it out from
+//! its own masses. Where these are loosely known, the sides that fit a log and the sides that the
+//! fitted masses ask for can exchange each other without end. So a step counts only where χ² of
+//! the file falls, and what the file of the best leaves is what is stated.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use sesc_model::effects::Stage;
+use sesc_model::effects::{Catalog, Stage};
 use sesc_model::{EffectRecord, ModelFile, Quantity};
 
-use super::problem::{ALL, Fit, Problem};
-use super::{stated, words};
+use super::criteria::{
+    AGREES, FILE_AGREES, FLIPPED, GAIN, LARGEST_OUTLIER_SHARE, MOST, OTHER_SIDE, SHORTEST,
+};
+use super::findings::ModelOnLog;
+use super::hypothesis::effects_of;
+use super::problem::{ALL, Fit, InFile, OnBlock, Problem, backlash_sides};
+use super::{held_out, words};
+use crate::Error;
 use crate::lsq::solve::information;
+use crate::observations::postures::rms;
+
+/// Rounds, at most.
+const ROUNDS: usize = 12;
 
 /// Parameters as the masses' prior and the data have them, and every effect of
 /// the explanation `best` that a model can hold; the logs are added by the caller.
-pub fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
-    let model = problem.first.context.robot;
+pub(super) fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
+    let model = problem.first().context.robot;
     let identified = best.frees_masses();
-    let (factor, beyond) = problem.prior_of(&best.terms);
-    let values = stated::masses_of(problem, best);
-    let masses = problem.masses_of(best, ALL);
-    let spread = factor * masses.covariance() * factor.transpose();
+    let prior = problem.prior(&best.terms);
+    let values = problem.params_of(best);
+    let weighting = problem.weighting(&best.terms, best.outliers.as_ref(), ALL);
+    let spread = &prior.factor * weighting.masses.covariance() * prior.factor.transpose();
     let std: Vec<f64> = (0..values.len())
         .map(|k| spread[(k, k)].max(0.0).sqrt())
         .collect();
     let mut rows = problem.whitened_rows();
-    if let Some(root) = problem.root_weights(best, ALL) {
-        for (mut row, trust) in rows.row_iter_mut().zip(&root) {
-            row *= *trust;
-        }
-    }
+    weighting.weigh(&mut rows);
     let source = if identified { "data" } else { "prior" };
     let mut file = ModelFile::from_values(model, &values, Some(&std), source);
-    file.inform(information(&rows, factor, beyond));
-    file.noise_floor = Some(problem.first.data.noise_floor);
+    file.inform(information(&rows, &prior.factor, prior.beyond));
+    file.noise_floor = Some(problem.first().data.noise_floor);
     let quantities = words::values(problem, best);
     for (term, values) in best.terms.iter().zip(&quantities) {
         let Some(instance) = term.effect() else {
             continue;
         };
         if instance.effect.stage() == Stage::Cells {
-            file.cells = problem.first.data.cells.clone();
+            file.cells = problem.first().data.cells.clone();
         }
         let of = |v: &words::NamedValue| {
             let quantity = Quantity {
@@ -48,9 +72,203 @@ pub fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
         };
         file.effects.push(EffectRecord {
             effect: term.name().to_string(),
-            target: problem.first.context.name_of(&instance.target),
+            target: problem.first().context.name_of(&instance.target),
             parameters: values.iter().map(of).collect::<BTreeMap<_, _>>(),
         });
     }
     file
+}
+
+/// Compare what is stated of an explanation with what its `file` predicts of the log, and
+/// check that no command refuses the file.
+///
+/// # Errors
+/// When one does.
+pub(super) fn on_log(problem: &Problem, best: &Fit, file: &ModelFile) -> Result<ModelOnLog, Error> {
+    // Effects of a caller's own are no part of files.
+    let standard = Catalog::standard();
+    let is_known = |record: &EffectRecord| standard.named(&record.effect).is_some();
+    if file.effects.iter().all(is_known) {
+        problem.first().model.clone().with_file(file.clone())?;
+    }
+    let (first, mut apart) = (problem.first(), held_out::apart(problem, best));
+    let stated = held_out::errors_of(problem, best, None);
+    let predicted = in_file(problem, best, &problem.params_of(best));
+    let pairs = first.data.reading.iter().zip(&predicted[0].readings);
+    let predicted: Vec<f64> = pairs.map(|(y, p)| y - p).collect();
+    // On which side of its dead band a joint rests near no moment, the log knows and a
+    // posture alone does not.
+    let before = apart.iter().filter(|apart| **apart).count();
+    for k in (0..apart.len()).filter(|_| best.is_loose()) {
+        let off = |row: usize| (predicted[row] - stated[row]).abs() * first.weight[row];
+        apart[k] |= off(2 * k).max(off(2 * k + 1)) > OTHER_SIDE;
+    }
+    let left_out = apart.iter().filter(|apart| **apart).count() - before;
+    let error = |errors: &[f64]| {
+        let rows = (0..errors.len()).filter(|row| !apart[row / 2]);
+        rms(rows.map(|row| errors[row]))
+    };
+    let (stated_rmse, predicted_rmse) = (error(&stated), error(&predicted));
+    let slack = FILE_AGREES * stated_rmse.max(first.data.noise_floor);
+    let few = (left_out as f64) <= LARGEST_OUTLIER_SHARE * apart.len() as f64;
+    Ok(ModelOnLog {
+        stated_rmse,
+        predicted_rmse,
+        left_out,
+        agrees: few && (stated_rmse - predicted_rmse).abs() <= slack,
+    })
+}
+
+/// `problem` and `fit` about the masses at which the fit ends, as its file predicts them; both as
+/// they are where the linear problem says the same.
+pub(super) fn settle<'p, 'm>(problem: &'p Problem<'m>, fit: &Fit) -> (Cow<'p, Problem<'m>>, Fit) {
+    let same = || (Cow::Borrowed(problem), fit.clone());
+    if effects_of(&fit.terms).is_empty() {
+        return same();
+    }
+    // On which side a loose joint rests, the file decides by its own masses.
+    let loose = fit.is_loose();
+    if !loose && agrees(problem, problem, fit) {
+        return same();
+    }
+    let with = |fit: &Fit, masses: Vec<f64>| {
+        let misfit = misfit(problem, fit, &masses);
+        let masses = Some(masses);
+        (
+            misfit,
+            Fit {
+                masses,
+                ..fit.clone()
+            },
+        )
+    };
+    let (mut least, mut best) = with(fit, problem.params_of(fit));
+    if loose && !problem.is_wider() {
+        // A prior that holds no masses lets those of light links be anything.
+        let usual = with(fit, problem.usual_params(fit));
+        if usual.0 < least {
+            (least, best) = usual;
+        }
+    }
+    let (mut about, mut part) = (problem.params_of(&best), 1.0);
+    for _ in 0..ROUNDS {
+        let own = linearised(problem, &best, &about);
+        let next = own.fit(&fit.terms, Some(&best), ALL);
+        let settled = !loose && agrees(problem, &own, &next);
+        let masses = own.params_of(&next);
+        let (misfit, next) = with(&next, masses.clone());
+        if !loose || misfit < (1.0 - GAIN) * least {
+            (least, best) = (misfit, next);
+        } else {
+            part *= 0.5;
+        }
+        if settled || part < SHORTEST {
+            break;
+        }
+        for (about, end) in about.iter_mut().zip(&masses) {
+            *about += part * (end - *about);
+        }
+    }
+    let own = linearised(problem, &best, &problem.params_of(&best));
+    let stated = stated(
+        &own,
+        &in_file(problem, &best, &problem.params_of(&best)),
+        best,
+    );
+    (Cow::Owned(own), stated)
+}
+
+/// What a file with an explanation predicts of each block, where base parameters of the first are
+/// `masses`, m.
+fn in_file(problem: &Problem, fit: &Fit, masses: &[f64]) -> Vec<InFile> {
+    let blocks = problem.blocks.iter();
+    let blocks = blocks.map(|block| {
+        let own = problem.carried(block, &fit.terms);
+        block.in_file(&own, &fit.unknowns, masses)
+    });
+    blocks.collect()
+}
+
+/// Whether the masses at which a fit ends predict what its linear problem, `about` some masses,
+/// states.
+fn agrees(problem: &Problem, about: &Problem, fit: &Fit) -> bool {
+    let predicted = in_file(problem, fit, &about.params_of(fit));
+    let shift = about.mass_shift_of(fit, ALL);
+    let (mut apart, mut all) = (Vec::new(), Vec::new());
+    let blocks = problem.blocks.iter().zip(&fit.blocks);
+    for (((block, on), own), range) in blocks.zip(&predicted).zip(problem.readings()) {
+        let left = &*on.residual - shift.rows_range(range);
+        apart.extend((block.residual(&own.readings) - &left).iter().copied());
+        all.extend(left.iter().copied());
+    }
+    rms(apart.into_iter()) <= AGREES * rms(all.into_iter())
+}
+
+/// The problem about masses `r` of the first block (m), its slopes under `fit`.
+fn linearised<'m>(problem: &Problem<'m>, fit: &Fit, r: &[f64]) -> Problem<'m> {
+    let contexts = problem.posture_contexts(Some(fit));
+    let blocks = problem.blocks.iter().zip(&contexts);
+    let blocks = blocks.map(|(block, context)| {
+        let own = problem.carried(block, &fit.terms);
+        block.about(&own, &fit.unknowns, context, r)
+    });
+    problem.about(blocks.collect())
+}
+
+/// χ² that a file leaves.
+fn misfit(problem: &Problem, fit: &Fit, masses: &[f64]) -> f64 {
+    let predicted = in_file(problem, fit, masses);
+    let blocks = problem.blocks.iter().zip(&fit.blocks).zip(&predicted);
+    let misfits = blocks.map(|((block, on), own)| {
+        let left = block.residual(&own.readings);
+        let postures = left.as_slice().chunks_exact(2).enumerate();
+        let misfit = |(k, left): (usize, &[f64])| match on.flipped.contains(&k) {
+            true => FLIPPED,
+            // What is not a number counts as far off.
+            false => MOST.min(left[0].powi(2) + left[1].powi(2)),
+        };
+        postures.map(misfit).sum::<f64>()
+    });
+    misfits.sum()
+}
+
+/// A fit, about its masses in `problem`, as its file predicts the logs.
+fn stated(problem: &Problem, predicted: &[InFile], fit: Fit) -> Fit {
+    let sides = backlash_sides::settle(problem, &fit.terms, &fit.unknowns, fit.is_loose());
+    let blocks = || problem.blocks.iter().zip(predicted).zip(&sides);
+    let contexts = blocks().map(|((block, own), sides)| {
+        let mut context = sides.posture_context.clone();
+        let joints = own.depths.len() / block.data.len();
+        let stays = |k: usize| sides.flipped.contains(&k);
+        block.put_sides(&mut context, 0..joints, |k, joint, side| match stays(k) {
+            true => side,
+            false => own.depths[k * joints + joint],
+        });
+        Cow::Owned(context)
+    });
+    let contexts: Vec<Cow<[f64]>> = contexts.collect();
+    let weighting = problem.weighting(&fit.terms, fit.outliers.as_ref(), ALL);
+    let mut state = problem.state(&fit.terms, fit.unknowns.clone(), &contexts, &weighting);
+    // Springs that give way while loose joints slide end a little elsewhere than springs
+    // beside joints at rest: the file's own readings count.
+    let on_blocks = state.there.iter_mut().zip(&contexts);
+    for (((block, own), sides), (on, context)) in blocks().zip(on_blocks) {
+        let mut readings = block.predicted(&on.residual);
+        for row in (0..readings.len()).filter(|row| !sides.flipped.contains(&(row / 2))) {
+            readings[row] = block.of_cad(row, own.readings[row]);
+        }
+        *on = OnBlock {
+            residual: Arc::new(block.residual(&readings)),
+            sides: Some(block.sides_of(context)),
+            flipped: sides.flipped.clone(),
+            ..on.clone()
+        };
+    }
+    let covariance = problem.covariance(&state, &problem.scales(&fit.terms), &weighting);
+    Fit {
+        covariance,
+        unknowns: state.unknowns,
+        blocks: state.there,
+        ..fit
+    }
 }

@@ -18,7 +18,7 @@ use sesc_model::effects::PostureContext;
 use sesc_model::{Function, Model};
 
 use super::criteria;
-use super::criteria::motion::{DELAY_S, OFFSET};
+use super::criteria::{DELAY_S, OFFSET};
 use super::problem::{Fit, Problem};
 use crate::evaluate::Evaluator;
 use crate::fit::prior::{Prior, Tolerances};
@@ -231,8 +231,8 @@ fn explains_more_than_motion(data: &Postures, model: &Model, prior: &Prior, move
 
 /// What is said of the motion in a log, once an explanation is found.
 pub(super) fn said(problem: &Problem, fit: &Fit) -> MotionUse {
-    let mut said = problem.first.data.motion_use.clone();
-    if let Some(moved) = problem.first.data.moved.as_ref().filter(|_| said.used) {
+    let mut said = problem.first().data.motion_use.clone();
+    if let Some(moved) = problem.first().data.moved.as_ref().filter(|_| said.used) {
         said.share = share_beside(problem, fit, moved).or(said.share);
     }
     said.told()
@@ -240,12 +240,12 @@ pub(super) fn said(problem: &Problem, fit: &Fit) -> MotionUse {
 
 /// The share of Δ in what an explanation leaves, with masses and its effects free.
 fn share_beside(problem: &Problem, fit: &Fit, moved: &Arc<Moved>) -> Option<Share> {
-    let (slopes, moving) = (fit.slopes(), fit.first.residual.len());
+    let (slopes, moving) = (fit.slopes(), fit.blocks[0].residual.len());
     let columns = DMatrix::from_fn(
         slopes.nrows(),
         1 + slopes.ncols(),
         |row, column| match column {
-            0 if row < moving => moved.shift[row / 2][row % 2] * problem.first.weight[row],
+            0 if row < moving => moved.shift[row / 2][row % 2] * problem.first().weight[row],
             0 => 0.0,
             column => slopes[(row, column - 1)],
         },

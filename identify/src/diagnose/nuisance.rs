@@ -9,13 +9,27 @@
 //! Y are the regressor rows of the unbent robot: the product of two small
 //! things, effect and mass error, is left out.
 
+use std::sync::Arc;
+
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+use crate::lsq::solve::Beyond;
 use crate::lsq::{transposed_times, without_product};
+
+/// What is known of masses before the logs.
+#[derive(Clone)]
+pub(super) struct MassPrior {
+    /// F: base parameters by directions.
+    pub factor: DMatrix<f64>,
+    /// What is known of directions that F has no column for.
+    pub beyond: Beyond,
+    /// The directions in the rows of all blocks.
+    pub nuisance: Arc<Nuisance>,
+}
 
 /// Directions of mass error, whitened: rows as readings, a column per direction.
 #[derive(Debug, Clone)]
-pub struct Nuisance {
+pub(super) struct Nuisance {
     k: DMatrix<f64>,
     factor: Cholesky<f64, Dyn>,
     /// log det A
@@ -47,7 +61,7 @@ impl Default for Nuisance {
 
 impl Nuisance {
     /// `k`: whitened regressor rows times F.
-    pub fn of(k: DMatrix<f64>) -> Nuisance {
+    pub(super) fn of(k: DMatrix<f64>) -> Nuisance {
         let mut a = transposed_times(&k, &k);
         for i in 0..a.nrows() {
             a[(i, i)] += 1.0;
@@ -65,12 +79,12 @@ impl Nuisance {
     }
 
     /// The directions, whitened: rows as readings.
-    pub fn columns(&self) -> &DMatrix<f64> {
+    pub(super) fn columns(&self) -> &DMatrix<f64> {
         &self.k
     }
 
     /// The same directions where rows count `weight` times their inverse deviation.
-    pub fn reweighted(&self, weight: &[f64]) -> Nuisance {
+    pub(super) fn reweighted(&self, weight: &[f64]) -> Nuisance {
         let mut k = self.k.clone();
         for (mut row, w) in k.row_iter_mut().zip(weight) {
             row *= *w;
@@ -79,47 +93,47 @@ impl Nuisance {
     }
 
     /// `S x` with `S = I − K A⁻¹ Kᵀ`: what of whitened columns is no mass error.
-    pub fn project_out(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+    pub(super) fn project_out(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
         let inner = self.factor.solve(&transposed_times(&self.k, x));
         without_product(x, &self.k, &inner)
     }
 
     /// The same of one whitened column.
-    pub fn project_out_one(&self, x: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn project_out_one(&self, x: &DVector<f64>) -> DVector<f64> {
         let inner = self.factor.solve(&self.k.tr_mul(x));
         x - &self.k * inner
     }
 
     /// `xᵀ S x` of one whitened column.
-    pub fn chi2(&self, x: &DVector<f64>) -> f64 {
+    pub(super) fn chi2(&self, x: &DVector<f64>) -> f64 {
         let mut taken = self.k.tr_mul(x);
         self.factor.l_dirty().solve_lower_triangular_mut(&mut taken);
         x.norm_squared() - taken.norm_squared()
     }
 
     /// Whether mass errors move readings by less than a thousandth of the noise.
-    pub fn is_negligible(&self) -> bool {
+    pub(super) fn is_negligible(&self) -> bool {
         self.k.amax() < 1e-3
     }
 
     /// Effective number of directions that the data determine: tr(K A⁻¹ Kᵀ).
-    pub fn directions(&self) -> f64 {
+    pub(super) fn directions(&self) -> f64 {
         // tr(A⁻¹ KᵀK) = m − tr A⁻¹
         self.k.ncols() as f64 - self.factor.inverse().trace()
     }
 
     /// Expected mass error given whitened residuals, in the units of F's columns.
-    pub fn posterior_mean(&self, residual: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn posterior_mean(&self, residual: &DVector<f64>) -> DVector<f64> {
         self.factor.solve(&self.k.tr_mul(residual))
     }
 
     /// Their covariance once the data are in: A⁻¹.
-    pub fn covariance(&self) -> DMatrix<f64> {
+    pub(super) fn covariance(&self) -> DMatrix<f64> {
         self.factor.inverse()
     }
 
     /// Whitened shift of readings by mass errors `z`, in units of F's columns.
-    pub fn shift(&self, z: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn shift(&self, z: &DVector<f64>) -> DVector<f64> {
         &self.k * z
     }
 }

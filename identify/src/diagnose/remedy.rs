@@ -1,9 +1,17 @@
-//! What to change: a sentence for every effect, the zero of a servo, lines of the URDF.
+//! What to change: a sentence for every effect, the zero of a servo, lines of the URDF, and the URDF
+//! with all of it, as far as a URDF can hold it.
 //!
 //! ```text
 //! q = s u (n − z)                  n: ticks, s: sign, z: zero, u: rad (m) a tick
 //! φ = a q + b = s' u' (n − z')     s' = s sign a,  u' = |a| u,  z' = z − s' b / u'
+//!
+//! base parameters → masses and CoMs of links       (the robot unbent and unloaded)
+//! payload         → a link of its own; below zero, out of the link that lacks it
+//! joint_offset    → the origin of the joint, and the offsets of its followers
 //! ```
+//!
+//! Masses come first: a payload's share is one of the robot's own mass, and offsets weigh
+//! nothing. Everything else is named, with the reason, and left to the model file.
 //!
 //! Whole ticks: a corrected zero is known to half a tick. The servo, the URDF and the model
 //! file say the same; a robot is corrected in one of them.
@@ -11,15 +19,26 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use sesc_model::effects::{EncoderMap, Stage, Target};
-use sesc_model::urdf::Description;
+use sesc_model::effects::{Catalog, Effect, EncoderMap, Stage, Target, UrdfEdit};
+use sesc_model::urdf::{self, Description, Load, Weight};
+use sesc_model::{Model, ModelFile, Snapping};
 
-use super::corrected_urdf::edited;
 use super::findings::Explained;
 pub use super::findings::{Change, Remedy, UrdfChange};
 use super::hypothesis::Term;
+use super::model_file::model_file;
 use super::problem::Problem;
 use super::words;
+use crate::fit::corrected::towards;
+use crate::fit::masses::FLOOR;
+use crate::fit::prior::{Prior, Tolerances};
+use crate::robot::Robot;
+use crate::{Error, Setting, message};
+
+/// Base parameters that move less leave the masses as they are written, m.
+const SETTLED: f64 = 1e-9;
+/// A CoM further from its link is what is left of two masses that cancel, m.
+const FAR: f64 = 10.0;
 
 /// What a tick of a joint's servo means: `q = sign (ticks − zero) step`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,26 +106,24 @@ impl Servo {
 impl Remedy {
     /// Settings of the servo that change, as a servo file names them: `zero 2048 → 2031`.
     pub fn servo_words(&self) -> Vec<String> {
-        fn of<T: std::fmt::Display>(name: &str, change: Option<&Change<T>>) -> Option<String> {
+        fn of<T: std::fmt::Display>(name: &str, change: Option<Change<T>>) -> Option<String> {
             change.map(|c| format!("{name} {} → {}", c.before, c.after))
         }
         let resolution = self.servo_resolution.map(|c| Change {
             before: c.before,
             after: (c.after * 100.0).round() / 100.0,
         });
-        [
-            of("zero", self.servo_zero.as_ref()),
-            of("sign", self.servo_sign.as_ref()),
-            of("resolution", resolution.as_ref()),
-            of("metres_per_tick", self.servo_metres_per_tick.as_ref()),
-        ]
-        .into_iter()
-        .flatten()
-        .collect()
+        let words = [
+            of("zero", self.servo_zero),
+            of("sign", self.servo_sign),
+            of("resolution", resolution),
+            of("metres_per_tick", self.servo_metres_per_tick),
+        ];
+        words.into_iter().flatten().collect()
     }
 
     fn set_servo(&mut self, old: Servo, new: Servo) {
-        fn change<T: PartialEq + Copy>(before: T, after: T) -> Option<Change<T>> {
+        fn change<T: PartialEq>(before: T, after: T) -> Option<Change<T>> {
             (before != after).then_some(Change { before, after })
         }
         self.servo_zero = change(old.zero, new.zero);
@@ -121,23 +138,25 @@ impl Remedy {
     }
 }
 
-/// The remedy of every step of a diagnosis.
+/// Write the remedy of every step into a diagnosis.
 pub(super) fn add(
     problem: &Problem,
     found: &mut Explained,
     description: &Description,
     servos: &BTreeMap<String, Servo>,
 ) {
-    let values: Vec<Vec<f64>> = words::values(problem, &found.best)
-        .iter()
-        .map(|found| found.iter().map(|value| value.value).collect())
-        .collect();
+    let values = words::values(problem, &found.best).into_iter();
+    let values = values.map(|found| found.iter().map(|value| value.value).collect());
+    let values: Vec<Vec<f64>> = values.collect();
     let terms = &found.best.terms;
-    let order = corrections(terms);
+    // The order in which corrections of the reading are applied: the last that acts comes first.
+    let mut order = vec![Stage::Offset, Stage::Rotation, Stage::Gain];
+    order.retain(|stage| terms.iter().any(|term| term.stage() == Some(*stage)));
     for (step, &at) in found.diagnosis.steps.iter_mut().zip(&found.told) {
         let (term, own) = (&terms[at], &values[at]);
         step.remedy = of_term(problem, term, own, description);
-        if let Some(place) = order.iter().position(|stage| term.stage() == Some(*stage)) {
+        let place = order.iter().position(|stage| term.stage() == Some(*stage));
+        if let Some(place) = place.filter(|_| order.len() > 1) {
             step.remedy.sentence += match place {
                 0 => "; of the corrections of the reading, apply this one first",
                 1 => {
@@ -146,33 +165,23 @@ pub(super) fn add(
                 _ => "; of the corrections of the reading, apply this one last",
             };
         }
-        if let Some(joint) = joint_of(term, own) {
-            let dof = &problem.first.context.robot.tree.dofs[joint];
+        if let Some((joint, _)) = encoder(term, own) {
+            let dof = &problem.first().context.robot.tree.dofs[joint];
+            let old = servos.get(&dof.joint).copied();
             let map = encoder_of(joint, terms, &values);
-            if let (Some(&old), Some(map)) = (servos.get(&dof.joint), map)
-                && let Some(new) = old.corrected(map)
-            {
+            let new = old.zip(map).and_then(|(old, map)| old.corrected(map));
+            if let (Some(old), Some(new)) = (old, new) {
                 step.remedy.set_servo(old, new);
             }
         }
     }
 }
 
-/// Stages of corrections of the reading in the order in which they are applied, the last that acts
-/// first; empty where the order does not matter.
-fn corrections(terms: &[Term]) -> Vec<Stage> {
-    let own = [Stage::Offset, Stage::Rotation, Stage::Gain];
-    let has = |stage: &Stage| terms.iter().any(|term| term.stage() == Some(*stage));
-    let own: Vec<Stage> = own.into_iter().filter(has).collect();
-    if own.len() > 1 { own } else { Vec::new() }
-}
-
-/// The joint whose encoder an effect is about.
-fn joint_of(term: &Term, values: &[f64]) -> Option<usize> {
+/// The joint whose encoder an effect is about, and how it maps that.
+fn encoder(term: &Term, values: &[f64]) -> Option<(usize, EncoderMap)> {
     let instance = term.effect()?;
-    instance.effect.encoder_map(values)?;
     match instance.target {
-        Target::Joint(joint) => Some(joint),
+        Target::Joint(joint) => Some((joint, instance.effect.encoder_map(values)?)),
         _ => None,
     }
 }
@@ -185,8 +194,7 @@ fn encoder_of(joint: usize, terms: &[Term], values: &[Vec<f64>]) -> Option<Encod
             Some(Target::Joints(a, b)) if joint == *a || joint == *b => return None,
             _ => {}
         }
-        if joint_of(term, values) == Some(joint) {
-            let own = term.effect()?.effect.encoder_map(values)?;
+        if let Some((_, own)) = encoder(term, values).filter(|own| own.0 == joint) {
             map = map.and(own);
         }
     }
@@ -194,51 +202,201 @@ fn encoder_of(joint: usize, terms: &[Term], values: &[Vec<f64>]) -> Option<Encod
 }
 
 fn of_term(problem: &Problem, term: &Term, values: &[f64], description: &Description) -> Remedy {
-    let context = &problem.first.context;
-    let instance = match term {
-        Term::Effect(instance) => instance,
-        Term::Outliers => {
-            return Remedy {
-                sentence: "readings of the poses named as outliers come from elsewhere; repeat \
-                           them or leave them out"
-                    .to_string(),
-                not_in_urdf: Some("it says nothing of the robot".to_string()),
-                ..Remedy::default()
+    let context = &problem.first().context;
+    let (sentence, urdf) = match term {
+        Term::Effect(instance) => {
+            let (effect, target) = (instance.effect, &instance.target);
+            let parameters = effect.parameters(context, target);
+            let value = |name: &str| {
+                let mut pairs = parameters.iter().zip(values);
+                let found = pairs.find(|(parameter, _)| parameter.name == name);
+                found.map_or(0.0, |(_, value)| *value)
             };
+            let edited = edited(description, effect, (&context.name_of(target), &value), 1.0);
+            let change = edited.map(|text| changed(&description.text, &text));
+            (effect.remedy(context, target, values), change)
         }
-        Term::Masses => {
-            return Remedy {
-                sentence: "true masses differ from CAD; the model file holds the parameters that \
-                           these data know, a corrected URDF the masses nearest to CAD that have \
-                           them"
-                    .to_string(),
-                ..Remedy::default()
-            };
-        }
-    };
-    let (effect, target) = (instance.effect, &instance.target);
-    let parameters = effect.parameters(context, target);
-    let value = |name: &str| {
-        let at = parameters
-            .iter()
-            .position(|parameter| parameter.name == name);
-        at.map_or(0.0, |at| values[at])
-    };
-    let edit = effect.urdf_edit(&context.name_of(target), &value);
-    let edited = match edit {
-        Some(edit) => edited(description, &edit).map(|text| changed(&description.text, &text)),
-        None => Err(effect.urdf_gap().to_string()),
-    };
-    let (urdf, not_in_urdf) = match edited {
-        Ok(change) => (change, None),
-        Err(reason) => (None, Some(reason)),
+        Term::Outliers => (
+            "readings of the poses named as outliers come from elsewhere; repeat them or leave \
+             them out"
+                .to_string(),
+            Err("it says nothing of the robot".to_string()),
+        ),
+        Term::Masses => (
+            "true masses differ from CAD; the model file holds the parameters that these data \
+             know, a corrected URDF the masses nearest to CAD that have them"
+                .to_string(),
+            Ok(None),
+        ),
     };
     Remedy {
-        sentence: effect.remedy(context, target, values),
-        urdf,
-        not_in_urdf,
+        sentence,
+        not_in_urdf: urdf.as_ref().err().cloned(),
+        urdf: urdf.ok().flatten(),
         ..Remedy::default()
     }
+}
+
+/// A corrected description.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CorrectedUrdf {
+    /// The whole text of the URDF.
+    pub text: String,
+    /// What the text does not hold, a sentence each.
+    pub left_out: Vec<String>,
+}
+
+/// What of an explanation belongs to the log alone, a sentence each.
+pub(super) fn of_the_log(problem: &Problem, found: &Explained) -> Vec<String> {
+    let outliers = found
+        .best
+        .terms
+        .iter()
+        .filter(|term| **term == Term::Outliers);
+    let label = |term: &Term| term.label(&problem.first().context);
+    outliers
+        .map(|term| format!("{} is left out: it says nothing of the robot", label(term)))
+        .collect()
+}
+
+/// The URDF of `robot` with what `found` says.
+///
+/// # Errors
+/// When a text cannot be read again.
+pub(super) fn corrected_urdf(
+    problem: &Problem,
+    found: &Explained,
+    robot: &Robot,
+    snapping: Snapping,
+    prior: &Prior,
+    total_mass: Option<f64>,
+) -> Result<CorrectedUrdf, Error> {
+    let file = model_file(problem, &found.best);
+    let wide = Prior::Cad(Tolerances::usual());
+    let prior = match found.best.frees_masses() {
+        true => &wide,
+        false => prior,
+    };
+    // Masses move from CAD's, also where others are expected of this robot.
+    let model = &robot.model(problem.first().model.support(), snapping, None)?;
+    let mut corrected = of_model_file(
+        &file,
+        robot,
+        model,
+        &problem.first().context.catalog,
+        snapping,
+        prior,
+        total_mass,
+    )?;
+    corrected.left_out.extend(of_the_log(problem, found));
+    Ok(corrected)
+}
+
+/// The URDF of `robot` with the parameters and effects of `file`, both of which
+/// belong to `model`; masses move within `prior`, and the robot without its loads weighs
+/// `total_mass` kg, as in CAD unless given.
+///
+/// # Errors
+/// When a text cannot be read again.
+#[doc(hidden)]
+pub fn of_model_file(
+    file: &ModelFile,
+    robot: &Robot,
+    model: &Model,
+    catalog: &Catalog,
+    snapping: Snapping,
+    prior: &Prior,
+    total_mass: Option<f64>,
+) -> Result<CorrectedUrdf, Error> {
+    if let Some(mass) = total_mass.filter(|mass| !(1e-9..=1e6).contains(mass)) {
+        return Err(Error::request(message![
+            Setting::TotalMass,
+            format!(" {mass:e} kg: give a number above zero that a robot can have")
+        ]));
+    }
+    // Shares of the robot's mass are what data tell.
+    let scale = total_mass.map_or(1.0, |mass| mass / model.tree.mass);
+    let name = &robot.description.file;
+    let mut left_out = Vec::new();
+    let mut text = robot.text().to_string();
+    let params = file.values();
+    let moved = params.iter().zip(model.cad_params());
+    let moved = moved.map(|(to, from)| (to - from).abs());
+    if moved.fold(0.0, f64::max) > SETTLED || scale != 1.0 {
+        match towards(robot, model, snapping, &params, None, prior, total_mass)? {
+            Ok(corrected) => text = corrected.text,
+            Err(impossible) => left_out.push(format!(
+                "the identified masses stay in the model file: no URDF has them: {}",
+                impossible.reason
+            )),
+        }
+    }
+    for record in &file.effects {
+        let value = |name: &str| record.parameters.get(name).map_or(0.0, |q| q.value);
+        let edited = match catalog.named(&record.effect) {
+            None => Err("it is not known".to_string()),
+            Some(effect) => urdf::parse(&text, name)
+                .map_err(|error| error.to_string())
+                .and_then(|own| edited(&own, effect, (&record.target, &value), scale)),
+        };
+        match edited {
+            Ok(edited) => text = edited,
+            Err(why) => {
+                let label = match record.target.as_str() {
+                    "-" => record.effect.clone(),
+                    target => format!("{}:{target}", record.effect),
+                };
+                left_out.push(format!("{label} stays in the model file: {why}"));
+            }
+        }
+    }
+    // Nothing is handed out that this program would refuse.
+    Robot::parse(&text, name)?;
+    Ok(CorrectedUrdf { text, left_out })
+}
+
+/// The text of `description` with an effect of these values at its target, where a robot of another
+/// mass carries `scale` times as much; else why no URDF holds it.
+fn edited(
+    description: &Description,
+    effect: &dyn Effect,
+    (target, value): (&str, &dyn Fn(&str) -> f64),
+    scale: f64,
+) -> Result<String, String> {
+    let gap = || effect.urdf_gap().to_string();
+    let edited = match effect.urdf_edit(target, value).ok_or_else(gap)? {
+        UrdfEdit::Joint(shift) => urdf::edit_joints(description, &[shift]),
+        UrdfEdit::Mass(mut load) => {
+            load.mass_kg *= scale;
+            match load.mass_kg > 0.0 {
+                true => urdf::add_loads(description, &[load]),
+                false => urdf::edit_masses(description, &without(description, &load)?),
+            }
+        }
+        _ => return Err("no URDF can hold it".to_string()),
+    };
+    edited.map_err(|error| error.to_string())
+}
+
+/// The masses of links where one lacks a load, its first moment kept right; else why it cannot.
+fn without(description: &Description, load: &Load) -> Result<Vec<Option<Weight>>, String> {
+    let of = |link: &urdf::Link| {
+        let (mass, com) = (link.inertial.mass_kg, link.inertial.origin.xyz);
+        let mass_kg = mass + load.mass_kg;
+        let com_m = [0, 1, 2].map(|k| (mass * com[k] + load.mass_kg * load.at_m[k]) / mass_kg);
+        let there = com_m.iter().all(|x| x.abs() <= FAR);
+        match mass_kg >= FLOOR * mass && mass_kg > 0.0 && there {
+            true => Ok(Weight { mass_kg, com_m }),
+            false => Err(format!(
+                "{} weighs {mass} kg and cannot lack {} kg there",
+                load.link, -load.mass_kg
+            )),
+        }
+    };
+    let links = description.links.iter();
+    links
+        .map(|link| (link.name == load.link).then(|| of(link)).transpose())
+        .collect()
 }
 
 /// Elements that differ; `None` where none does.

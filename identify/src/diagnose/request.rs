@@ -3,7 +3,7 @@
 //! ```text
 //! log ─▶ postures ─▶ search ─▶ class, verdict, held-out errors ─▶ report
 //! further logs ──────────────┘                                    ├▶ model file, URDF
-//!                                                                 └▶ next postures, view, recording
+//!                                                                 └▶ next postures, view
 //! ```
 
 use super::criteria::FLOOR_M;
@@ -15,24 +15,23 @@ use std::sync::Arc;
 use sesc_model::effects::{Catalog, Experiment};
 use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
-use super::corrected_urdf;
-use super::findings::{About, Explained, NextPostures, Verdict};
-use super::model_file::model_file;
-use super::next_postures;
-use super::problem::{Block, Problem};
-use super::recording;
-use super::remedy::{self, Servo};
-use super::report::{Report, next_log};
+use super::experiment::NextLog;
+use super::findings::{About, Diagnosis, Explained, NextPostures, Verdict};
+use super::model_file::{model_file, on_log};
+use super::problem::{Block, Problem, soles_of};
+use super::remedy::{self, CorrectedUrdf, Servo};
 use super::view::DiagnosisView;
-use super::{closure, experiment, model_check, motion, noise, samples, verdict};
+use super::{experiment, motion, noise, samples, verdict};
 use crate::feet::{Feet, Places};
 use crate::fit::fitted::Fitted;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::fit::{Request as FitRequest, check_result, fit, gather_as};
 use crate::health::{self, Finding, Health};
-use crate::logs::{Angles, LogSource, Options, PostureReader, Readings, Sidecar, Stays};
+use crate::logs::{
+    Angles, LogSource, Options, PostureReader, ROOM, Readings, Samples, Sidecar, Stays,
+};
 use crate::observations::motion_use::{MotionModel, MotionUse};
-use crate::observations::postures::{Postures, Taking};
+use crate::observations::postures::Postures;
 use crate::robot::Robot;
 use crate::skeleton::Skeleton;
 use crate::watch::{Recorder, Watch};
@@ -85,9 +84,6 @@ pub struct Request {
     /// Whether the rows of figures are wanted.
     #[doc(hidden)]
     pub view: bool,
-    /// Whether the postures are wanted as a recording.
-    #[doc(hidden)]
-    pub recording: bool,
 }
 
 impl Request {
@@ -114,9 +110,32 @@ impl Request {
             corrected_urdf: false,
             total_mass: None,
             view: false,
-            recording: false,
         }
     }
+}
+
+/// Everything that was found.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Report {
+    /// What was found, as it is printed.
+    pub diagnosis: Diagnosis,
+    /// Parameters and effects, for predictions and generated code.
+    pub model_file: ModelFile,
+    /// Where it was wanted.
+    pub corrected_urdf: Option<CorrectedUrdf>,
+    /// Whether masses are part of the explanation: those of a corrected URDF then move within
+    /// the usual tolerances, else within those of the request.
+    pub frees_masses: bool,
+    /// What of the explanation belongs to the log alone, a sentence each.
+    pub of_the_log: Vec<String>,
+    /// Where it was wanted.
+    #[doc(hidden)]
+    pub view: Option<DiagnosisView>,
+    /// Postures of the experiment that would tell most, if one would tell explanations apart.
+    pub next: Option<NextLog>,
+    /// What is to be known of the robot.
+    pub notes: Vec<String>,
 }
 
 /// A hash of joint positions and readings: the same for a log under another name, packed, or
@@ -166,64 +185,24 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     check_noise(request)?;
     let watch = &mut Recorder::new(watch);
     let robot = &request.robot;
-    let (sidecar, _) = request.log.sidecar()?;
-    let support = support_of(request)?;
-    let model = robot.model(&support, request.snapping, None)?;
+    let (samples, model) = read(request, watch)?;
+    let sidecar = &samples.sidecar.clone();
+    let support = model.support().to_string();
     let prior = masses_before(request, &model, watch)?;
-    check_healthy(request, watch)?;
+    check_healthy(request, &support, watch)?;
     let model = prior.expected(model);
-    let (log, rows, mut data) = screened(request, &model, &prior, watch)?;
+    let on = (&**robot, &model);
+    let (samples, rows) = health::screen(samples, on, request.noise, watch)?;
+    let mut data = take(request, &model, &prior, (&samples, request.motion), watch)?;
     // A few rows on another link are rather a wrong label than a stand on another foot.
     let rows_in_all = data.rows + data.elsewhere.values().sum::<u64>();
-    let again = log.can_be_read_again();
     let (elsewhere, left_out): (BTreeMap<String, u64>, _) = std::mem::take(&mut data.elsewhere)
         .into_iter()
-        .partition(|(_, rows)| again && 10 * rows >= rows_in_all);
+        .partition(|(_, rows)| 10 * rows >= rows_in_all);
     data.elsewhere = left_out;
-    warn_of_left_out(&log, &data, watch);
-    let stands = request.then.iter().map(|log| stand(request, &support, log));
-    // Rows on another foot are a log of their own.
-    let stands = stands.chain(elsewhere.keys().map(|link| {
-        let model = robot.model(link, request.snapping, None)?;
-        Ok((Experiment::OtherFoot, model))
-    }));
-    let stands = stands.map(|stand| {
-        let (experiment, own) = stand?;
-        Ok((experiment, prior.seen_from(&model, &own).expected(own)))
-    });
-    let stands: Vec<(Experiment, Model)> = stands.collect::<Result<_, Error>>()?;
-    let mut others = Vec::new();
-    let hash = |postures: &Postures| postures.summary.as_ref().map(|found| found.hash.clone());
-    let mut before = vec![(hash(&data), rows_hash(&data))];
-    if let Some(own) = &before[0].0 {
-        prior.check_other(request.log.name(), own)?;
-    }
-    for (at, (experiment, there)) in stands.iter().enumerate() {
-        let prior = prior.seen_from(&model, there);
-        let source = request.then.get(at).unwrap_or(&log);
-        let mut postures = take(request, there, &prior, (source, request.motion), watch)?;
-        let mut closure = None;
-        if at < request.then.len() {
-            let own = (hash(&postures), rows_hash(&postures));
-            let same = |other: &(Option<String>, u64)| {
-                own.1 == other.1 || own.0.is_some() && own.0 == other.0
-            };
-            if before.iter().any(same) {
-                return Err(Error::log(
-                    source.name(),
-                    None,
-                    "has the same rows as a log before it, which would count twice; give the log \
-                     of the experiment",
-                ));
-            }
-            before.push(own);
-            warn_of_left_out(source, &postures, watch);
-            let (sidecar, _) = source.sidecar()?;
-            closure = closure::of(&Feet::default(), &sidecar, there, &mut postures, watch)?;
-        }
-        let block = Block::new(there, postures, closure, &request.effects);
-        others.push((block, *experiment));
-    }
+    warn_of_left_out(&samples, &data, watch);
+    let stands = stands(request, &model, &prior, elsewhere.keys())?;
+    let others = further_blocks(request, (&model, &prior), (&samples, &data), &stands, watch)?;
     let names = [&request.log].into_iter().chain(&request.then);
     let names = names.map(LogSource::file_name).collect::<Vec<_>>();
     let names = names.join(" + ");
@@ -242,17 +221,17 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             usable: health.is_usable(),
             health: health.findings,
         };
-        let closure = closure::of(&request.feet, &sidecar, &model, &mut data, watch)?;
+        let closure = soles_of(&request.feet, sidecar, &model, &mut data, watch)?;
         let first = Block::new(&model, data, closure, &request.effects);
         let others = others.iter().cloned();
         let others = others.map(|(block, experiment)| block.beside(&first, experiment));
-        let others = others.collect();
-        samples::explained(Problem::new(first, others, &prior), &about, watch)
+        let blocks = [first.clone()].into_iter().chain(others).collect();
+        samples::explained(Problem::new(blocks, &prior), &about, watch)
     };
     let (mut problem, mut found, mut correlation) = explain(&data, request.motion, watch)?;
     let share = motion::said(&problem, &found.best);
     if share.used && share.share.is_some_and(|share| share.is_missing()) {
-        let standing = (&log, MotionModel::Off);
+        let standing = (&samples, MotionModel::Off);
         data = take(request, &model, &prior, standing, watch)?;
         data.motion_use = MotionUse {
             used: false,
@@ -272,20 +251,24 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     found.diagnosis.health.extend(overstated);
     let meshes = request.meshes.as_deref();
     found.diagnosis.times = times(&problem);
-    let next = next_postures::next(&problem, &found, robot, request.snapping, meshes);
+    let name = sidecar.robot.as_deref().unwrap_or(&model.tree.robot);
+    let named = (&**robot, name);
+    let proposed = experiment::proposed(&problem, &found, named, request.snapping, meshes);
+    let why = experiment::why(&proposed, &found);
+    let (experiments, logs): (Vec<_>, Vec<_>) = proposed.into_iter().unzip();
+    let tells = experiments.first().is_some_and(|best| best.splits > 0);
+    let next = logs.into_iter().next().filter(|_| tells);
+    let file = next.as_ref().and(request.next_file.as_ref());
     found.diagnosis.next_postures = NextPostures {
-        why: next_postures::why(&next, &found),
-        file: next
-            .telling()
-            .and(request.next_file.as_ref())
-            .map(|path| path.display().to_string()),
-        experiments: next.proposals.clone(),
+        file: file.map(|path| path.display().to_string()),
+        why,
+        experiments,
     };
     let corrected = request
         .corrected_urdf
         .then(|| {
             let (snapping, total) = (request.snapping, request.total_mass);
-            corrected_urdf::of(&problem, &found, robot, snapping, &prior, total)
+            remedy::corrected_urdf(&problem, &found, robot, snapping, &prior, total)
         })
         .transpose()?;
     remedy::add(&problem, &mut found, &robot.description, &request.servos);
@@ -294,31 +277,97 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     if found.diagnosis.verdict != Verdict::Unusable {
         check_result(&model_file)?;
     }
-    let on_log = model_check::check(&problem, &found, &model_file)?;
-    found.diagnosis.model_on_log = on_log;
-    let said = verdict::sentences(&problem, &found);
-    found.diagnosis.sentence = said.whole();
-    found.diagnosis.lead = said.lead;
+    found.diagnosis.model_on_log = on_log(&problem, &found.best, &model_file)?;
+    verdict::state(&problem, &mut found);
     let warnings = watch.warnings.iter().map(|warning| warning.to_string());
     found.diagnosis.warnings = warnings.collect();
     Ok(Report {
         model_file,
         corrected_urdf: corrected,
         frees_masses: found.best.frees_masses(),
-        of_the_log: corrected_urdf::of_the_log(&problem, &found),
+        of_the_log: remedy::of_the_log(&problem, &found),
         view: request.view.then(|| {
             let skeleton = Skeleton::of(&model, &robot.description, meshes);
             DiagnosisView::of(&problem, &found, skeleton)
         }),
-        recording: request.recording.then(|| recording::of(&problem, &found)),
-        next: next_log(
-            next,
-            &model,
-            sidecar.robot.as_deref().unwrap_or(&model.tree.robot),
-        ),
+        next,
         notes: model.tree.notes.clone(),
         diagnosis: found.diagnosis,
     })
+}
+
+/// The robot as it stands in each further log, and in rows on `elsewhere` of the log at hand, which
+/// are a log of their own.
+fn stands<'a>(
+    request: &Request,
+    model: &Model,
+    prior: &Prior,
+    elsewhere: impl Iterator<Item = &'a String>,
+) -> Result<Vec<(Experiment, Model)>, Error> {
+    let further = request.then.iter();
+    let further = further.map(|log| stand(request, model.support(), log));
+    let elsewhere = elsewhere.map(|link| {
+        let model = request.robot.model(link, request.snapping, None)?;
+        Ok((Experiment::OtherFoot, model))
+    });
+    let stands = further.chain(elsewhere).map(|stand| {
+        let (experiment, own) = stand?;
+        Ok((experiment, prior.seen_from(model, &own).expected(own)))
+    });
+    stands.collect()
+}
+
+/// A block of each of `stands`, beside the log `samples` with its postures `data`.
+///
+/// # Errors
+/// What is wrong with a log; one whose rows are those of another.
+fn further_blocks<'m>(
+    request: &Request,
+    (model, prior): (&Model, &Prior),
+    (samples, data): (&Samples, &Postures),
+    stands: &'m [(Experiment, Model)],
+    watch: &mut dyn Watch,
+) -> Result<Vec<(Block<'m>, Experiment)>, Error> {
+    let hash = |postures: &Postures| postures.summary.as_ref().map(|found| found.hash.clone());
+    let mut before = vec![(hash(data), rows_hash(data))];
+    if let Some(own) = &before[0].0 {
+        prior.check_other(request.log.name(), own)?;
+    }
+    let mut room = ROOM.saturating_sub(samples.size());
+    let mut blocks = Vec::new();
+    for (at, (experiment, there)) in stands.iter().enumerate() {
+        let prior = prior.seen_from(model, there);
+        let further = request.then.get(at).map(|log| {
+            let options = reading(request, Some(there.support().to_string()));
+            Samples::read(log, &request.robot.description, &options, room, watch)
+        });
+        let further = further.transpose()?;
+        let source = further.as_ref().unwrap_or(samples);
+        let mut postures = take(request, there, &prior, (source, request.motion), watch)?;
+        let mut closure = None;
+        if let Some(source) = &further {
+            room = room.saturating_sub(source.size());
+            let own = (hash(&postures), rows_hash(&postures));
+            let same = |other: &(Option<String>, u64)| {
+                own.1 == other.1 || own.0.is_some() && own.0 == other.0
+            };
+            if before.iter().any(same) {
+                return Err(Error::log(
+                    source.log.name(),
+                    None,
+                    "has the same rows as a log before it, which would count twice; give the log \
+                     of the experiment",
+                ));
+            }
+            before.push(own);
+            warn_of_left_out(source, &postures, watch);
+            let feet = Feet::default();
+            closure = soles_of(&feet, &source.sidecar, there, &mut postures, watch)?;
+        }
+        let block = Block::new(there, postures, closure, &request.effects);
+        blocks.push((block, *experiment));
+    }
+    Ok(blocks)
 }
 
 /// What a diagnosis finds wrong with the data of its log before any hypothesis.
@@ -327,11 +376,12 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
 /// As [`diagnose`].
 pub fn look(request: &Request, watch: &mut dyn Watch) -> Result<Vec<Finding>, Error> {
     check_noise(request)?;
-    let support = support_of(request)?;
-    let model = request.robot.model(&support, request.snapping, None)?;
+    let (samples, model) = read(request, watch)?;
     let prior = masses_before(request, &model, watch)?;
     let model = prior.expected(model);
-    let (_, rows, data) = screened(request, &model, &prior, watch)?;
+    let on = (&*request.robot, &model);
+    let (samples, rows) = health::screen(samples, on, request.noise, watch)?;
+    let data = take(request, &model, &prior, (&samples, request.motion), watch)?;
     let (_, health) = examined(request, &model, (&data, request.motion));
     Ok(health.after(rows).findings)
 }
@@ -376,12 +426,11 @@ fn masses_before(request: &Request, model: &Model, watch: &mut dyn Watch) -> Res
 
 /// The link on the ground in another log: as it says itself, else that of the log at hand.
 fn support_of_log(request: &Request, log: &LogSource, support: &str) -> String {
-    let own = Request {
-        log: log.clone(),
-        support: None,
-        ..request.clone()
-    };
-    support_of(&own).unwrap_or_else(|_| support.to_string())
+    let options = reading(request, None);
+    let first = PostureReader::of_robot(log, &request.robot.description, &options);
+    let first = first.and_then(PostureReader::first_support).ok().flatten();
+    let first = first.filter(|link| !link.is_empty());
+    first.map_or_else(|| support.to_string(), |link| link.to_string())
 }
 
 /// How far the masses of a healthy robot may be off: held tight, they would leave nothing to learn.
@@ -394,9 +443,9 @@ fn prior_of_healthy(request: &Request) -> PriorChoice {
 
 /// Warn of a log of the healthy robot that shows an effect by itself: what it shares with the other
 /// log is not found by comparing the two.
-fn check_healthy(request: &Request, watch: &mut dyn Watch) -> Result<(), Error> {
+fn check_healthy(request: &Request, support: &str, watch: &mut dyn Watch) -> Result<(), Error> {
     for log in &request.healthy {
-        let support = support_of_log(request, log, &support_of(request)?);
+        let support = support_of_log(request, log, support);
         let own = Request {
             log: log.clone(),
             support: Some(support),
@@ -407,7 +456,6 @@ fn check_healthy(request: &Request, watch: &mut dyn Watch) -> Result<(), Error> 
             next_file: None,
             corrected_urdf: false,
             view: false,
-            recording: false,
             ..request.clone()
         };
         let found = diagnose(&own, watch)?.diagnosis;
@@ -429,18 +477,24 @@ fn check_healthy(request: &Request, watch: &mut dyn Watch) -> Result<(), Error> 
     Ok(())
 }
 
-/// The link on the ground: as was asked, else as the sidecar says, else that of the first row.
-fn support_of(request: &Request) -> Result<String, Error> {
+/// The log, and the robot on the link on the ground: as was asked, else as the sidecar says, else
+/// that of the first row.
+fn read(request: &Request, watch: &mut dyn Watch) -> Result<(Samples, Model), Error> {
     let (robot, log) = (&request.robot, &request.log);
     let (sidecar, odd) = log.sidecar()?;
-    let mut support = request.support.clone().or(sidecar.support);
-    if support.is_none() && log.can_be_read_again() {
-        let options = reading(request, None);
-        let reader = PostureReader::of_robot(log, &robot.description, &options)?;
-        support = reader.first_support()?.map(|link| link.to_string());
-    }
-    let support = support.filter(|link| !link.is_empty());
-    support.ok_or_else(|| robot.no_support(&odd))
+    let model = |support: &str| robot.model(support, request.snapping, None);
+    let named = request.support.as_ref().or(sidecar.support.as_ref());
+    let known = named.map(|support| model(support)).transpose()?;
+    let options = reading(request, named.cloned());
+    let samples = Samples::read(log, &robot.description, &options, ROOM, watch)?;
+    let model = match known {
+        Some(known) => known,
+        None => {
+            let first = samples.first_support()?.filter(|link| !link.is_empty());
+            model(&first.ok_or_else(|| robot.no_support(&odd))?)?
+        }
+    };
+    Ok((samples, model))
 }
 
 /// What is wrong with postures, and these compared with the ZMP where that alone shows a stuck
@@ -464,19 +518,6 @@ fn examined(
     (data.clone(), health)
 }
 
-/// The log without rows that cannot be used, what is wrong with these, and its postures.
-fn screened(
-    request: &Request,
-    model: &Model,
-    prior: &Prior,
-    watch: &mut dyn Watch,
-) -> Result<(LogSource, Vec<Finding>, Postures), Error> {
-    let (options, on) = (options(request, model), (&*request.robot, model));
-    let (log, rows) = health::screen(&request.log, on, &options, request.noise, watch)?;
-    let data = take(request, model, prior, (&log, request.motion), watch)?;
-    Ok((log, rows, data))
-}
-
 fn check_noise(request: &Request) -> Result<(), Error> {
     let of = |setting: Setting, value: f64, least: f64| match (least..=1.0).contains(&value) {
         true => Ok(()),
@@ -487,11 +528,6 @@ fn check_noise(request: &Request) -> Result<(), Error> {
     };
     of(Setting::Noise, request.noise.unwrap_or(1.0), 1e-9)?;
     of(Setting::Floor, request.floor, 0.0)
-}
-
-/// How a log on the model's support is read.
-fn options(request: &Request, model: &Model) -> Options {
-    reading(request, Some(model.support().to_string()))
 }
 
 /// How a log is read whose rows stand on `support` where they do not say.
@@ -515,15 +551,10 @@ fn take(
     request: &Request,
     model: &Model,
     prior: &Prior,
-    (log, motion): (&LogSource, MotionModel),
+    (samples, motion): (&Samples, MotionModel),
     watch: &mut dyn Watch,
 ) -> Result<Postures, Error> {
-    let taking = Taking {
-        options: options(request, model),
-        noise: request.noise,
-        floor: request.floor,
-    };
-    let mut data = Postures::read(log, model, &taking, watch)?;
+    let mut data = Postures::read(samples, model, (request.noise, request.floor), watch)?;
     motion::account(&mut data, model, prior, motion);
     data.warnings
         .iter()
@@ -532,11 +563,11 @@ fn take(
 }
 
 /// Warn of rows that stand on another link where they are no log of their own.
-fn warn_of_left_out(log: &LogSource, postures: &Postures, watch: &mut dyn Watch) {
+fn warn_of_left_out(samples: &Samples, postures: &Postures, watch: &mut dyn Watch) {
     for (link, rows) in &postures.elsewhere {
         let warning = format!(
             "{}: {rows} rows stand on `{link}` and are left out; give them as a file of their own",
-            log.name()
+            samples.log.name()
         );
         watch.warning(&warning.into());
     }
@@ -583,7 +614,7 @@ fn with_data(request: &Request, problem: &Problem, found: &Explained) -> ModelFi
     let mut file = model_file(problem, &found.best);
     let logs = [&request.log].into_iter().chain(&request.then);
     file.data = logs
-        .zip(problem.blocks())
+        .zip(problem.blocks.iter())
         .filter_map(|(log, block)| {
             let summary = block.data.summary.as_ref()?;
             Some(DataUsed {
@@ -599,7 +630,7 @@ fn with_data(request: &Request, problem: &Problem, found: &Explained) -> ModelFi
 
 /// First and last time of all logs, s.
 fn times(problem: &Problem) -> Option<[f64; 2]> {
-    let blocks = problem.blocks();
+    let blocks = problem.blocks.iter();
     let known = blocks.filter_map(|block| block.data.summary.as_ref()?.times);
     known.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }

@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::criteria::samples::{COUNTS, LONGER, STAYED};
+use super::criteria::{COUNTS, LONGER, STAYED};
 use super::diagnosis;
 use super::findings::{About, Explained};
 use super::noise;
@@ -15,7 +15,7 @@ use super::problem::{Block, Fit, OnBlock, Problem};
 use crate::Error;
 use crate::observations::correlation::{Correlation, step};
 use crate::observations::noise::NoiseSource;
-use crate::observations::samples::{Samples, Sum};
+use crate::observations::sample_count::{SampleCount, Sum};
 use crate::watch::Watch;
 
 /// Rounds in which the number of independent readings and the explanation settle.
@@ -53,7 +53,10 @@ pub(super) fn explained<'m>(
         if !correlation.iter().any(counts) || !about.usable {
             break;
         }
-        let own = times.iter_mut().zip(&correlation).zip(problem.blocks());
+        let own = times
+            .iter_mut()
+            .zip(&correlation)
+            .zip(problem.blocks.iter());
         for ((times, correlation), block) in own {
             *times = noise_factors(block, *times, correlation);
         }
@@ -86,7 +89,11 @@ pub(super) fn explained<'m>(
 /// Correlation of what a fit leaves on each axis, log by log.
 fn correlations(problem: &Problem, fit: &Fit) -> Vec<[Correlation; 2]> {
     let masses = problem.masses(&fit.terms);
-    let blocks = problem.blocks().zip(fit.blocks()).zip(problem.readings());
+    let blocks = problem
+        .blocks
+        .iter()
+        .zip(&fit.blocks)
+        .zip(problem.readings());
     let blocks = blocks.map(|((block, own), range)| correlation(block, own, masses, range.start));
     blocks.collect()
 }
@@ -135,10 +142,10 @@ fn noise_factors(block: &Block, now: [f64; 2], correlation: &[Correlation; 2]) -
 }
 
 /// Samples of all logs.
-pub(super) fn of_logs(problem: &Problem, correlation: &[[Correlation; 2]]) -> Samples {
+pub(super) fn of_logs(problem: &Problem, correlation: &[[Correlation; 2]]) -> SampleCount {
     let mut sum = Sum::default();
     let mut rows = 0;
-    for (block, correlation) in problem.blocks().zip(correlation) {
+    for (block, correlation) in problem.blocks.iter().zip(correlation) {
         add(block, correlation, &mut sum);
         rows += block.data.rows;
     }

@@ -8,7 +8,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-use sesc_model::effects::{Stage, Target};
+use sesc_model::effects::Stage;
 
 use super::criteria;
 use super::dictionary::Dictionary;
@@ -21,28 +21,19 @@ use crate::Error;
 use crate::threads::{each_long, processors};
 use crate::watch::{Watch, tell};
 
-/// How many extensions of a hypothesis are fitted.
-#[derive(Clone, Copy)]
-enum Breadth {
-    /// Some of every kind.
-    First,
-    /// The most promising.
-    Later,
-    /// All whose predicted score is near the best.
-    Near,
-}
-
 /// Fitted hypotheses.
-pub struct Search<'m> {
-    problem: Arc<Problem<'m>>,
+pub(super) struct Search<'m> {
+    pub problem: Arc<Problem<'m>>,
     known: HashMap<Vec<Term>, Fit>,
     base: Dictionary,
-    visible: Vec<(Term, f64)>,
+    /// χ² that each effect of ordinary size would have in this log.
+    pub visible: Vec<(Term, f64)>,
+    /// Hypotheses fitted so far.
     pub fitted: usize,
 }
 
 impl<'m> Search<'m> {
-    pub fn new(mut problem: Problem<'m>) -> Self {
+    pub(super) fn new(mut problem: Problem<'m>) -> Self {
         let base = Dictionary::new(&problem, None);
         let visible = base.visible(&problem);
         problem.weigh_targets(&visible);
@@ -55,15 +46,6 @@ impl<'m> Search<'m> {
         }
     }
 
-    pub fn problem(&self) -> Arc<Problem<'m>> {
-        Arc::clone(&self.problem)
-    }
-
-    /// χ² that each effect of ordinary size would have in this log.
-    pub fn visible(&self) -> &[(Term, f64)] {
-        &self.visible
-    }
-
     fn penalty(&self, term: &Term) -> f64 {
         self.problem.penalty(std::slice::from_ref(term))
     }
@@ -72,26 +54,22 @@ impl<'m> Search<'m> {
     ///
     /// # Errors
     /// When `watch` stops the search.
-    pub fn run(&mut self, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
+    pub(super) fn run(&mut self, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
         let null = self.fit(&[], None);
         let faults = wiring::faults(&self.problem);
         let mut beam = vec![null];
-        for depth in 1..=criteria::DEEPEST {
+        for depth in 1..=criteria::TOO_MANY_EFFECTS {
             let mut proposals = Vec::new();
             for parent in &beam {
-                let breadth = if depth == 1 {
-                    Breadth::First
-                } else {
-                    Breadth::Later
-                };
+                let breadth = [criteria::LATER, criteria::FIRST][usize::from(depth == 1)];
                 proposals.extend(self.extensions(parent, breadth));
             }
             if depth > 1 {
                 // Wiring faults also occur together, and leave large gaps.
-                let large = criteria::WIRING_CHI2 * 2.0 * self.problem.first.data.len() as f64;
+                let large = criteria::WIRING_CHI2 * 2.0 * self.problem.first().data.len() as f64;
                 let gaps = beam.iter().filter(|f| f.objective > large);
                 let further = gaps
-                    .take(criteria::WIRING_PARENTS)
+                    .take(criteria::WIRING_BESIDE.0)
                     .flat_map(|f| wiring::beside(&self.problem, f, &faults));
                 proposals.extend(further);
             }
@@ -101,15 +79,12 @@ impl<'m> Search<'m> {
             }
             self.refine(proposals, depth, watch)?;
             beam = self.beam(depth);
-            let with = |count: usize| {
-                let fits = self.known.values().filter(|f| f.terms.len() == count);
-                fits.map(Fit::score).fold(f64::INFINITY, f64::min)
-            };
+            let with = |count: usize| self.least_score(|fit| fit.terms.len() == count);
             if with(depth) >= with(depth - 1) && with(depth + 1) >= with(depth - 1) {
                 break;
             }
         }
-        for _ in 0..criteria::EXAMINATIONS {
+        for _ in 0..criteria::EXAMINED {
             let before = self.best_score();
             self.reexamine(watch)?;
             if self.best_score() >= before - 1e-6 {
@@ -119,159 +94,113 @@ impl<'m> Search<'m> {
         Ok(self.ranked())
     }
 
-    pub fn ranked(&self) -> Vec<Fit> {
+    pub(super) fn ranked(&self) -> Vec<Fit> {
         let mut all: Vec<Fit> = self.known.values().cloned().collect();
         // Ties go to the fewest, then to the order of the list.
+        let context = &self.problem.first().context;
+        let ranks = |fit: &Fit| fit.terms.iter().map(|term| term.rank(context)).collect();
         all.sort_by(|a, b| {
             let score = a.score().total_cmp(&b.score());
             score
                 .then(a.terms.len().cmp(&b.terms.len()))
-                .then_with(|| ranks(&self.problem, &a.terms).cmp(&ranks(&self.problem, &b.terms)))
+                .then_with(|| Vec::cmp(&ranks(a), &ranks(b)))
         });
         all
     }
 
+    fn least_score(&self, counts: impl Fn(&&Fit) -> bool) -> f64 {
+        let fits = self.known.values().filter(counts);
+        fits.map(Fit::score).fold(f64::INFINITY, f64::min)
+    }
+
     fn best_score(&self) -> f64 {
-        self.known
-            .values()
-            .map(Fit::score)
-            .fold(f64::INFINITY, f64::min)
+        self.least_score(|_| true)
     }
 
     /// Fit a set of terms once.
-    pub fn fit(&mut self, terms: &[Term], parent: Option<&Fit>) -> Fit {
-        let terms = sorted(&self.problem.first.context, terms);
+    pub(super) fn fit(&mut self, terms: &[Term], parent: Option<&Fit>) -> Fit {
+        let terms = sorted(&self.problem.first().context, terms);
         if let Some(fit) = self.known.get(&terms) {
             return fit.clone();
         }
-        let fit = fitted(&self.problem, &terms, parent);
-        self.learn(terms, fit.clone());
+        let fit = self.problem.fit(&terms, parent, ALL);
+        self.learn(fit.clone());
         fit
     }
 
-    fn learn(&mut self, terms: Vec<Term>, fit: Fit) {
+    fn learn(&mut self, fit: Fit) {
         self.fitted += 1;
-        self.known.insert(terms, fit);
+        self.known.insert(fit.terms.clone(), fit);
     }
 
-    /// What could be added to a hypothesis, with its predicted score.
-    fn extensions(&self, parent: &Fit, breadth: Breadth) -> Vec<Proposal> {
-        let own;
-        let wired = parent
-            .terms
-            .iter()
-            .any(|term| term.stage() == Some(Stage::Wiring));
-        let dictionary = match wired {
-            true => {
-                own = Dictionary::new(&self.problem, Some(&self.problem.bent(parent)));
-                &own
-            }
-            false => &self.base,
-        };
+    /// What could be added to a hypothesis, so many of each kind and of all, with its predicted
+    /// score.
+    fn extensions(&self, parent: &Fit, (per_kind, most): (usize, usize)) -> Vec<Proposal> {
+        let is_wiring = |term: &Term| term.stage() == Some(Stage::Wiring);
+        let rewired = parent.terms.iter().any(is_wiring);
+        let rewired =
+            rewired.then(|| Dictionary::new(&self.problem, Some(&self.problem.bent(parent))));
+        let dictionary = rewired.as_ref().unwrap_or(&self.base);
         let gains = dictionary.gains(parent, &self.problem);
-        let mut proposals: Vec<Proposal> = dictionary
-            .candidates
-            .iter()
-            .zip(gains)
-            .filter(|(c, _)| compatible(&parent.terms, &c.term))
-            .map(|(c, gain)| Proposal {
-                terms: with(&self.problem, &parent.terms, &c.term),
-                predicted_score: parent.score() - gain + self.penalty(&c.term),
-                parent: Some(parent.clone()),
-            })
-            .collect();
-        proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
-        let (per_kind, most) = match breadth {
-            Breadth::First => (criteria::FIRST_OF_KIND, usize::MAX),
-            Breadth::Later => (criteria::LATER_OF_KIND, criteria::LATER),
-            Breadth::Near => (usize::MAX, criteria::NEAR),
-        };
-        let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
-        proposals.retain(|p| {
+        let candidates = dictionary.candidates.iter().zip(gains);
+        let candidates = candidates.filter(|(c, _)| compatible(&parent.terms, &c.term));
+        let proposals = candidates.map(|(c, gain)| self.problem.propose(parent, &c.term, -gain));
+        let mut proposals: Vec<Proposal> = proposals.collect();
+        proposals.sort_by(Proposal::order);
+        let added = |p: &Proposal| {
             let added = p.terms.iter().find(|i| !parent.terms.contains(i));
-            let count = seen.entry(added.map_or("", Term::name)).or_default();
-            *count += 1;
-            *count <= per_kind
-        });
-        proposals.truncate(most);
-        for term in [Term::Outliers, Term::Masses] {
-            proposals.extend(self.with_model(parent, term));
+            added.map_or("", Term::name)
+        };
+        keep_some(&mut proposals, added, per_kind, most);
+        let models = [
+            (Term::Outliers, with_outliers(parent)),
+            (Term::Masses, self.with_masses(parent)),
+        ];
+        for (term, change) in models {
+            if compatible(&parent.terms, &term) {
+                proposals.extend(change.map(|change| self.problem.propose(parent, &term, change)));
+            }
         }
         proposals
     }
 
-    /// Outliers or masses within other tolerances beside a hypothesis.
-    fn with_model(&self, parent: &Fit, term: Term) -> Option<Proposal> {
-        if !compatible(&parent.terms, &term) {
-            return None;
-        }
-        // Masses that are as free already are no effect.
-        if term == Term::Masses && !self.problem.is_wider() {
-            return None;
-        }
-        let penalty = self.problem.penalty(std::slice::from_ref(&term));
-        let predicted_score = match term {
-            Term::Outliers => {
-                let outliers = Outliers::of(&parent.first.residual, None);
-                let root = outliers.root_weights(None);
-                let squares = parent
-                    .first
-                    .residual
-                    .iter()
-                    .zip(&root)
-                    .map(|(e, w)| (e * w).powi(2));
-                let mixture = outliers.objective(&parent.first.residual, None, squares.sum());
-                let plain = parent.first.residual.norm_squared();
-                parent.score() + (mixture - plain) + penalty
-            }
-            _ => {
-                let wide = self.problem.masses(std::slice::from_ref(&term));
-                let tight = &self.problem.nuisance;
-                let residual = parent.residual();
-                let left = |n: &Nuisance| residual.dot(&n.project_out_one(&residual));
-                let change = left(wide) + wide.log_det - left(tight) - tight.log_det;
-                parent.score() + change + penalty
-            }
-        };
-        Some(Proposal {
-            terms: with(&self.problem, &parent.terms, &term),
-            predicted_score,
-            parent: Some(parent.clone()),
-        })
+    /// Change of the objective of a hypothesis beside masses within other tolerances; none where
+    /// these are as free already.
+    fn with_masses(&self, parent: &Fit) -> Option<f64> {
+        let (wide, tight) = (
+            self.problem.masses(&[Term::Masses]),
+            self.problem.masses(&[]),
+        );
+        let residual = parent.residual();
+        let left = |n: &Nuisance| residual.dot(&n.project_out_one(&residual));
+        let change = || left(wide) + wide.log_det - left(tight) - tight.log_det;
+        self.problem.is_wider().then(change)
     }
 
     /// The best pairs of a linear search over all of them.
     fn pairs(&self, null: &Fit) -> Vec<Proposal> {
-        let mut best: BTreeMap<[&str; 2], Vec<Proposal>> = BTreeMap::new();
         let residual = null.residual();
         let candidates = &self.base.candidates;
         let penalties: Vec<f64> = candidates.iter().map(|c| self.penalty(&c.term)).collect();
+        let mut pairs = Vec::new();
         self.base.pairs(&self.problem, &residual, |i, j, gain| {
-            let (a, b) = (&candidates[i], &candidates[j]);
-            if !compatible(std::slice::from_ref(&a.term), &b.term) {
-                return;
-            }
-            let mut names = [a.term.name(), b.term.name()];
-            names.sort_unstable();
-            let of_kinds = best.entry(names).or_default();
-            let predicted_score = null.score() - gain + penalties[i] + penalties[j];
-            let place = of_kinds.partition_point(|p| p.predicted_score <= predicted_score);
-            if place < criteria::FIRST_OF_KIND {
-                of_kinds.insert(
-                    place,
-                    Proposal {
-                        terms: vec![a.term.clone(), b.term.clone()],
-                        predicted_score,
-                        parent: None,
-                    },
-                );
-                of_kinds.truncate(criteria::FIRST_OF_KIND);
+            if candidates[i].term.is_compatible(&candidates[j].term) {
+                pairs.push((null.score() - gain + penalties[i] + penalties[j], i, j));
             }
         });
-        let mut proposals: Vec<Proposal> = best.into_values().flatten().collect();
-        proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
-        proposals.truncate(criteria::PAIRS);
-        proposals
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let names = |&(_, i, j): &(f64, usize, usize)| {
+            let mut names = [i, j].map(|k| candidates[k].term.name());
+            names.sort_unstable();
+            names
+        };
+        keep_some(&mut pairs, names, criteria::FIRST.0, criteria::PAIRS);
+        let pairs = pairs.into_iter().map(|(predicted_score, i, j)| Proposal {
+            terms: [i, j].map(|k| candidates[k].term.clone()).to_vec(),
+            predicted_score,
+            parent: None,
+        });
+        pairs.collect()
     }
 
     fn refine(
@@ -280,7 +209,7 @@ impl<'m> Search<'m> {
         depth: usize,
         watch: &mut dyn Watch,
     ) -> Result<(), Error> {
-        proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
+        proposals.sort_by(Proposal::order);
         // A linear prediction is hardly ever too modest, but where gaps are large.
         let is_hopeless = |proposal: &Proposal, best: f64| {
             let room = criteria::HOPELESS + criteria::HOPELESS_PART * best.abs();
@@ -293,7 +222,7 @@ impl<'m> Search<'m> {
             while next.len() < processors()
                 && let Some(proposal) = waiting.next()
             {
-                let terms = sorted(&self.problem.first.context, &proposal.terms);
+                let terms = sorted(&self.problem.first().context, &proposal.terms);
                 let is_known = self.known.contains_key(&terms)
                     || next.iter().any(|(others, _)| *others == terms);
                 if !is_known && !is_hopeless(&proposal, best) {
@@ -305,13 +234,13 @@ impl<'m> Search<'m> {
             }
             let problem = &*self.problem;
             let fits = each_long(&next, |(terms, proposal)| {
-                fitted(problem, terms, proposal.parent.as_ref())
+                problem.fit(terms, proposal.parent.as_ref(), ALL)
             });
             // As if one had been fitted after the other: what those before it made hopeless
             // is not known.
-            for ((terms, proposal), fit) in next.into_iter().zip(fits) {
+            for ((_, proposal), fit) in next.into_iter().zip(fits) {
                 if !is_hopeless(&proposal, self.best_score()) {
-                    self.learn(terms, fit);
+                    self.learn(fit);
                     tell(watch, "hypotheses", self.fitted as u64, None)?;
                 }
             }
@@ -320,16 +249,14 @@ impl<'m> Search<'m> {
 
     /// The best of a depth, one of each family before seconds.
     fn beam(&self, depth: usize) -> Vec<Fit> {
-        let of_depth = self.ranked().into_iter().filter(|f| f.terms.len() == depth);
-        let mut seen: BTreeMap<Vec<&str>, usize> = BTreeMap::new();
-        let mut beam = Vec::new();
-        for fit in of_depth {
-            let count = seen.entry(kinds(&fit.terms)).or_default();
-            *count += 1;
-            if *count <= criteria::BEAM_OF_FAMILY && beam.len() < criteria::BEAM {
-                beam.push(fit);
-            }
-        }
+        let mut beam = self.ranked();
+        beam.retain(|fit| fit.terms.len() == depth);
+        let family = |fit: &Fit| {
+            let mut names: Vec<&str> = fit.terms.iter().map(Term::name).collect();
+            names.sort_unstable();
+            names
+        };
+        keep_some(&mut beam, family, criteria::BEAM.0, criteria::BEAM.1);
         beam
     }
 
@@ -337,7 +264,7 @@ impl<'m> Search<'m> {
     /// everything that comes near it.
     fn reexamine(&mut self, watch: &mut dyn Watch) -> Result<(), Error> {
         let null = self.fit(&[], None);
-        let alone = self.extensions(&null, Breadth::Near);
+        let alone = self.extensions(&null, criteria::NEAR);
         self.refine(alone, 2, watch)?;
         let best: Vec<Fit> = self.ranked().into_iter().take(criteria::EXAMINED).collect();
         for (place, fit) in best.iter().enumerate() {
@@ -345,11 +272,7 @@ impl<'m> Search<'m> {
                 let mut fewer = fit.terms.clone();
                 fewer.remove(k);
                 let parent = self.fit(&fewer, Some(fit));
-                let breadth = if place == 0 {
-                    Breadth::Near
-                } else {
-                    Breadth::Later
-                };
+                let breadth = [criteria::LATER, criteria::NEAR][usize::from(place == 0)];
                 let proposals = self.extensions(&parent, breadth);
                 self.refine(proposals, 2, watch)?;
             }
@@ -358,38 +281,28 @@ impl<'m> Search<'m> {
     }
 }
 
-/// The best fit of some terms, from wherever it may be begun.
-fn fitted(problem: &Problem, terms: &[Term], parent: Option<&Fit>) -> Fit {
-    let starts = problem.starts(terms, parent);
-    let fits = starts
-        .iter()
-        .map(|start| problem.fit(terms, Some(start), ALL));
-    fits.min_by(|a, b| a.objective.total_cmp(&b.objective))
-        .expect("there is a start")
+/// So many of each kind, and so many of all, that come first.
+fn keep_some<T, K: Ord>(all: &mut Vec<T>, kind: impl Fn(&T) -> K, of_each: usize, most: usize) {
+    let mut seen: BTreeMap<K, usize> = BTreeMap::new();
+    all.retain(|one| {
+        let count = seen.entry(kind(one)).or_default();
+        *count += 1;
+        *count <= of_each
+    });
+    all.truncate(most);
 }
 
-fn with(problem: &Problem, terms: &[Term], more: &Term) -> Vec<Term> {
-    sorted(
-        &problem.first.context,
-        &[terms, std::slice::from_ref(more)].concat(),
-    )
+/// Change of the objective of a hypothesis beside outliers.
+fn with_outliers(parent: &Fit) -> Option<f64> {
+    let residual = &*parent.blocks[0].residual;
+    let outliers = Outliers::of(residual, None);
+    let root = outliers.root_weights(None);
+    let squares = residual.iter().zip(&root).map(|(e, w)| (e * w).powi(2));
+    let mixture = outliers.objective(residual, None, squares.sum());
+    Some(mixture - residual.norm_squared())
 }
 
 /// Whether a term may stand beside others.
 fn compatible(terms: &[Term], more: &Term) -> bool {
     terms.iter().all(|term| term.is_compatible(more))
-}
-
-fn kinds(terms: &[Term]) -> Vec<&'static str> {
-    let mut names: Vec<&str> = terms.iter().map(Term::name).collect();
-    names.sort_unstable();
-    names
-}
-
-/// The order of hypotheses that are equally good.
-fn ranks(problem: &Problem, terms: &[Term]) -> Vec<(usize, Target)> {
-    terms
-        .iter()
-        .map(|term| term.rank(&problem.first.context))
-        .collect()
 }

@@ -11,29 +11,15 @@ use super::words::{self, capital};
 /// Names in a row, at most.
 const NAMED: usize = 4;
 
-/// What is said of a diagnosis.
-pub(super) struct Said {
-    /// Errors of the uncorrected robot.
-    before: String,
-    /// The verdict, without what a title and a table of errors say.
-    pub lead: String,
-    /// The verdict with its effects.
-    verdict: String,
-    /// Errors and limits of the explanation.
-    after: String,
+/// Say in a few sentences what a good colleague would, and, for a page, what that adds to a title
+/// that names the effects and to a table of errors.
+pub(super) fn state(problem: &Problem, found: &mut Explained) {
+    let (sentence, lead) = sum_up(problem, found);
+    found.diagnosis.sentence = sentence;
+    found.diagnosis.lead = lead;
 }
 
-impl Said {
-    /// All of it.
-    pub fn whole(&self) -> String {
-        let parts = [&self.before, &self.verdict, &self.after];
-        let parts = parts.into_iter().filter(|part| !part.is_empty());
-        parts.cloned().collect::<Vec<_>>().join(" ")
-    }
-}
-
-/// What a good colleague would say, in a few sentences.
-pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
+fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
     let d = &found.diagnosis;
     let mm = |x: f64| format!("{:.2} mm", 1e3 * x);
     let before = format!(
@@ -41,54 +27,41 @@ pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
         mm(d.baseline.rmse),
         mm(d.noise_floor)
     );
-    let mut said = Vec::new();
+    let mut parts = Vec::new();
     if d.samples.independent < d.samples.rows {
-        said.push(format!("The log has {}.", d.samples.sentence()));
+        parts.push(format!("The log has {}.", d.samples.sentence()));
     }
     if d.motion.used {
-        said.push(d.motion.sentence.clone());
+        parts.push(d.motion.sentence.clone());
     }
-    said.extend(d.health.iter().map(|finding| finding.sentence.clone()));
-    said.extend(d.closure.iter().map(|closure| closure.sentence.clone()));
-    let mut lead = said.clone();
+    parts.extend(d.health.iter().map(|finding| finding.sentence.clone()));
+    parts.extend(d.closure.iter().map(|closure| closure.sentence.clone()));
+    let mut lead = parts.clone();
     let values = words::values(problem, &found.best);
-    let clauses: Vec<String> = found
-        .best
-        .terms
-        .iter()
-        .zip(&values)
-        .map(|(i, v)| words::clause(&problem.first.context, i, v))
-        .collect();
-    let others: Vec<String> = d
-        .class
-        .iter()
-        .skip(1)
-        .map(|member| member.subjects.clone())
-        .collect();
+    let clauses = found.best.terms.iter().zip(&values);
+    let clauses = clauses.map(|(i, v)| words::clause(&problem.first().context, i, v));
+    let clauses: Vec<String> = clauses.collect();
+    let others = d.class.iter().skip(1);
+    let others: Vec<&str> = others.map(|member| &*member.subjects).collect();
     // The title of a page has the effects.
     let mut rest_of_title = None;
     let mut missing = |how: &str, rest: &str| {
-        said.push(format!("Missing: {how}{}; {rest}", clauses.join(", and ")));
+        parts.push(format!("Missing: {how}{}; {rest}", clauses.join(", and ")));
         let sizes = values.iter().map(|own| words::sizes(own));
         let sizes = sizes.filter(|own| !own.is_empty()).collect::<Vec<_>>();
         let sizes = (!sizes.is_empty()).then(|| capital(&sizes.join("; ")) + ".");
         rest_of_title = Some(sizes.into_iter().chain([capital(rest)]).collect::<Vec<_>>());
     };
     match d.verdict {
-        Verdict::None => said.push("Nothing is missing that these data could show.".to_string()),
-        Verdict::Absorbed => said.push(format!(
+        Verdict::None => parts.push("Nothing is missing that these data could show.".to_string()),
+        Verdict::Absorbed => parts.push(format!(
             "Masses within their tolerances take {} of it and leave nothing to name: an effect \
              behind it would not be visible in these data.",
             mm(d.absorbed_by_masses)
         )),
         Verdict::Named => missing("", "nothing else that is known explains these data."),
         Verdict::Class => {
-            let shown = others
-                .iter()
-                .take(NAMED)
-                .cloned()
-                .collect::<Vec<_>>()
-                .join("; ");
+            let shown = others[..others.len().min(NAMED)].join("; ");
             let more = match others.len().saturating_sub(NAMED) {
                 0 => String::new(),
                 n => format!("; and {n} more"),
@@ -98,21 +71,21 @@ pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
             missing("most plainly ", &rest);
         }
         Verdict::TooShort => {
-            let [rows, directions] = problem.first.too_few().unwrap_or_default();
-            said.push(format!(
+            let [rows, directions] = problem.first().too_few().unwrap_or_default();
+            parts.push(format!(
                 "The log is too short: {rows} readings for {directions} directions of the masses leave \
                  too few to tell the noise from, so that it is not known whether something is \
                  missing. Record more postures, reach some of them again, or state the noise."
             ));
         }
         Verdict::Unusable => {
-            said.push("No effect is looked for in these data.".to_string());
+            parts.push("No effect is looked for in these data.".to_string());
         }
         Verdict::Unexplained => {
-            said.extend(d.implausible.clone());
+            parts.extend(d.implausible.clone());
             let open = d.closure.as_ref().is_some_and(|closure| !closure.closes);
             let of_cop = d.leftover.chi2 > criteria::LEFTOVER_RATIO * d.leftover.expected;
-            said.push(match found.best.terms.len() {
+            parts.push(match found.best.terms.len() {
                 _ if open && !of_cop => {
                     "No known effect explains how the soles lie on the floor.".to_string()
                 }
@@ -133,22 +106,20 @@ pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
             });
             if !clauses.is_empty() {
                 let are = if clauses.len() > 1 { "are" } else { "is" };
-                said.push(format!(
+                parts.push(format!(
                     "{} {are} part of it.",
                     capital(&clauses.join(", and "))
                 ));
             }
             if let Some(suspect) = d.suspects.first() {
-                said.push(format!(
+                parts.push(format!(
                     "The rest goes most with the {suspect} ({:.0} % of it).",
                     100.0 * d.leftover.suspect_share
                 ));
             }
         }
     }
-    lead.extend(rest_of_title.unwrap_or_else(|| said[lead.len()..].to_vec()));
-    let verdict = said.join(" ");
-    let mut said = Vec::new();
+    lead.extend(rest_of_title.unwrap_or_else(|| parts[lead.len()..].to_vec()));
     if !d.steps.is_empty() {
         let of = match d.last.left_out {
             0 => String::new(),
@@ -156,39 +127,35 @@ pub(super) fn sentences(problem: &Problem, found: &Explained) -> Said {
             n => format!(" ({n} postures apart)"),
         };
         let with = if d.steps.len() > 1 { "them" } else { "it" };
-        said.push(format!(
+        parts.push(format!(
             "With {with} the held-out error is {}{of}.",
             mm(d.last.rmse)
         ));
     }
-    said.extend(com_spread::sentence(found));
+    parts.extend(com_spread::sentence(found));
     let on_log = &d.model_on_log;
     if on_log.stated_rmse > 0.0 && !on_log.agrees {
-        said.push(format!(
+        parts.push(format!(
             "The model file predicts this log to {} RMS, the diagnosis states {}: the two do not agree.",
             mm(on_log.predicted_rmse),
             mm(on_log.stated_rmse)
         ));
     }
-    said.extend(limits(d));
-    Said {
-        before,
-        lead: lead.join(" "),
-        verdict,
-        after: said.join(" "),
-    }
+    parts.extend(limits(d));
+    parts.insert(0, before);
+    (parts.join(" "), lead.join(" "))
 }
 
 /// From which size on offsets of the joints that matter show, and which offsets do not.
 fn limits(d: &Diagnosis) -> Vec<String> {
-    let mut said = Vec::new();
+    let mut parts = Vec::new();
     match &d.detectable[..] {
         [] => {}
-        [only] => said.push(format!(
+        [only] => parts.push(format!(
             "Offsets of {}, the joint that carries most of the mass, show from {} on.",
             only.target, only.size
         )),
-        [best, .., worst] => said.push(format!(
+        [best, .., worst] => parts.push(format!(
             "Of the joints that carry most of the mass, {} shows offsets from {} on, {} from {} on.",
             best.target, best.size, worst.target, worst.size
         )),
@@ -198,10 +165,10 @@ fn limits(d: &Diagnosis) -> Vec<String> {
         .iter()
         .map(|own| format!("of {} {}", own.target, own.unseen()));
     if !d.blind.is_empty() {
-        said.push(format!(
+        parts.push(format!(
             "Could not have been seen: offsets {}.",
             listed(blind, NAMED)
         ));
     }
-    said
+    parts
 }

@@ -5,21 +5,22 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use nalgebra::DVector;
+use sesc_model::tape::Tape;
 
 use super::criteria;
 use super::dictionary::Dictionary;
-use super::hypothesis::{Term, effect_terms, sorted};
-use super::problem::{Fit, Problem, Proposal, Rewire, stacked_residual, stacked_slopes};
+use super::hypothesis::Term;
+use super::problem::{Fit, Problem, Proposal, run_alone, stacked_residual, stacked_slopes};
+use crate::health::wirings;
 use crate::lsq::factor_normal;
 use crate::threads::each_long;
 
 pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) -> Vec<Proposal> {
-    let context = &problem.first.context;
     let contexts = problem.posture_contexts(None);
     let with_best = each_long(faults, |fault| {
         let own = std::slice::from_ref(fault);
         let residual = residual(problem, (&[], &[]), &contexts, fault);
-        let left = problem.project_out_one(&problem.nuisance, &residual);
+        let left = problem.project_out_one(problem.masses(&[]), &residual);
         let penalty = problem.penalty(own);
         let predicted_score = residual.dot(&left) + penalty;
         if !predicted_score.is_finite() {
@@ -38,7 +39,7 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) ->
             })
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let beside = best.map(|(predicted_score, more)| Proposal {
-            terms: sorted(context, &[fault.clone(), more.clone()]),
+            terms: vec![fault.clone(), more.clone()],
             predicted_score,
             parent: None,
         });
@@ -51,12 +52,9 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) ->
     });
     let (mut alone, beside): (Vec<_>, Vec<_>) = with_best.into_iter().flatten().unzip();
     let mut beside: Vec<Proposal> = beside.into_iter().flatten().collect();
-    for (list, most) in [
-        (&mut alone, criteria::WIRING_ALONE),
-        (&mut beside, criteria::WIRING_PAIRS),
-    ] {
-        list.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
-        list.truncate(most);
+    for list in [&mut alone, &mut beside] {
+        list.sort_by(Proposal::order);
+        list.truncate(criteria::TRIED);
     }
     alone.extend(beside);
     alone
@@ -65,32 +63,28 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) ->
 /// Further faults beside a hypothesis that leaves a large gap: its unknowns stay,
 /// but for what a linear step of theirs takes.
 pub fn beside(problem: &Problem, parent: &Fit, faults: &[Term]) -> Vec<Proposal> {
-    let context = &problem.first.context;
     let contexts = problem.posture_contexts(Some(parent));
     let further = faults.iter().filter(|fault| !parent.terms.contains(fault));
     let known = (&parent.terms[..], &parent.unknowns[..]);
     let scores = scores(problem, known, &contexts, further);
-    let proposals = scores.into_iter().map(|(fault, score)| Proposal {
-        predicted_score: score + parent.penalty + problem.penalty(std::slice::from_ref(fault)),
-        terms: sorted(
-            context,
-            &[&parent.terms[..], std::slice::from_ref(fault)].concat(),
-        ),
-        parent: Some(parent.clone()),
-    });
+    let proposals = scores.into_iter();
+    let proposals =
+        proposals.map(|(fault, score)| problem.propose(parent, fault, score - parent.objective));
     let mut proposals: Vec<Proposal> = proposals.collect();
-    proposals.sort_by(|a, b| a.predicted_score.total_cmp(&b.predicted_score));
-    proposals.truncate(criteria::WIRING_BESIDE_PARENT);
+    proposals.sort_by(Proposal::order);
+    proposals.truncate(criteria::WIRING_BESIDE.1);
     proposals
 }
 
 /// Effects without unknowns; of very many in a long log those that come first on some of its
 /// postures.
 pub fn faults(problem: &Problem) -> Vec<Term> {
-    let context = &problem.first.context;
-    let mut all = effect_terms(context);
-    all.retain(|term| term.unknowns(context) == 0);
-    let postures: usize = problem.blocks().map(|block| block.data.len()).sum();
+    let context = &problem.first().context;
+    let all: Vec<Term> = wirings::faults(context)
+        .into_iter()
+        .map(Term::Effect)
+        .collect();
+    let postures: usize = problem.blocks.iter().map(|block| block.data.len()).sum();
     let every = (all.len() * postures).div_ceil(criteria::WIRING_WORK);
     if every < 2 {
         return all;
@@ -111,10 +105,8 @@ fn scores<'f>(
     faults: impl IntoIterator<Item = &'f Term>,
 ) -> Vec<(&'f Term, f64)> {
     let masses = problem.masses(terms);
-    let own = stacked_slopes(
-        problem.predict(terms, unknowns, contexts, None).iter(),
-        unknowns.len(),
-    );
+    let predicted = problem.predict(terms, unknowns, contexts, None);
+    let own = stacked_slopes(&predicted, unknowns.len());
     let left = problem.project_out(masses, &own);
     let factor = factor_normal(own.tr_mul(&left));
     let scores = each_long(faults, |fault| {
@@ -134,14 +126,17 @@ fn residual(
     contexts: &[Cow<[f64]>],
     fault: &Term,
 ) -> DVector<f64> {
-    let rewired = problem.blocks().map(|block| {
+    let rewired = problem.blocks.iter().map(|block| {
         let own = problem.carried(block, std::slice::from_ref(fault));
         block.rewired(&own.terms)
     });
-    let (q, rewires): (Vec<Vec<f64>>, Vec<Rewire>) = rewired.unzip();
+    let (q, rewires): (Vec<Vec<f64>>, Vec<Option<Tape>>) = rewired.unzip();
     let mut predicted = problem.predict(terms, unknowns, contexts, Some(&q));
-    for ((on, block), rewire) in predicted.iter_mut().zip(problem.blocks()).zip(&rewires) {
-        on.residual = Arc::new(block.residual(&rewire.readings(&on.predicted)));
+    for ((on, block), rewire) in predicted.iter_mut().zip(&problem.blocks).zip(&rewires) {
+        if let Some(tape) = rewire {
+            let readings = run_alone(tape, &block.predicted(&on.residual), block.data.len());
+            on.residual = Arc::new(block.residual(&readings));
+        }
     }
-    stacked_residual(predicted.iter())
+    stacked_residual(&predicted)
 }

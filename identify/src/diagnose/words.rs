@@ -19,8 +19,8 @@ pub struct NamedValue<'n> {
 }
 
 /// What each effect of a fit amounts to: deviations by the slopes of the values.
-pub fn values(problem: &Problem, fit: &Fit) -> Vec<Vec<NamedValue<'static>>> {
-    let context = &problem.first.context;
+pub(super) fn values(problem: &Problem, fit: &Fit) -> Vec<Vec<NamedValue<'static>>> {
+    let context = &problem.first().context;
     with_places(&fit.terms, context)
         .map(|(term, own)| {
             let (at, count) = (own.start, own.len());
@@ -82,12 +82,12 @@ pub fn named(found: &NamedValue) -> String {
 }
 
 /// `subject`, with its values: `backlash in every joint: width 0.93° ± 0.04°`.
-pub fn clause(context: &EffectContext, term: &Term, values: &[NamedValue]) -> String {
+pub(super) fn clause(context: &EffectContext, term: &Term, values: &[NamedValue]) -> String {
     let subject = term.phrase(context);
-    match values.is_empty() {
-        true => subject,
-        false => format!("{subject} ({})", sizes(values)),
+    if values.is_empty() {
+        return subject;
     }
+    format!("{subject} ({})", sizes(values))
 }
 
 /// Values after each other: `mass 155 g ± 6 g, x 22.6 mm ± 2.3 mm`.

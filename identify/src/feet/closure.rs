@@ -83,13 +83,13 @@ impl Closure {
             let of = DMatrix::from_fn(n, between.len(), |k, c| slopes[(ROWS * k + row, c)]);
             noise_of(row, &own, &of, &positions, t)
         });
-        let widened = noise.map(|noise| noise.rows_per_sample.sqrt());
+        let widened = noise.map(|(.., rows_per_sample)| rows_per_sample.sqrt());
         let dofs = &model.tree.dofs;
         Closure {
-            std: [0, 1, 2].map(|row| noise[row].std * widened[row]),
+            std: [0, 1, 2].map(|row| noise[row].0 * widened[row]),
             common: COMMON,
             widened,
-            from_log: noise.map(|noise| noise.from_log),
+            from_log: noise.map(|(_, from_log, _)| from_log),
             support: model.support().to_string(),
             joints: between.iter().map(|index| dofs[*index].clone()).collect(),
             slopes,
@@ -236,58 +236,37 @@ pub(super) const FLOOR: [f64; ROWS] = [3e-4, 1e-3, 1e-3];
 pub(super) const LIMIT: [f64; ROWS] = [5e-3, 0.02, 0.02];
 /// Soles and floor are flat and parallel to this, m, rad, rad.
 pub(super) const COMMON: [f64; ROWS] = [1e-3, 2.5e-3, 2.5e-3];
-/// Noise of one equation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Noise {
-    /// Standard deviation of a posture.
-    pub std: f64,
-    /// Whether the log has it: else it is the floor, or the limit.
-    pub from_log: bool,
-    /// Postures per independent one.
-    pub rows_per_sample: f64,
-}
-
-/// Noise of equation `row` from its values in every posture and its slopes by every joint
-/// that moves the sole, at positions `q` of those joints.
-pub(super) fn noise_of(
+/// Standard deviation of equation `row` in a posture, whether the log has it, and postures per
+/// independent one: from its values in every posture and its slopes by every joint that moves the
+/// sole, at positions `q` of those joints.
+fn noise_of(
     row: usize,
     values: &[f64],
     slopes: &DMatrix<f64>,
     q: &DMatrix<f64>,
     t: Option<&[f64]>,
-) -> Noise {
+) -> (f64, bool, f64) {
     let n = values.len();
     let joints = slopes.ncols();
     let y = DVector::from_column_slice(values);
-    let columns = |count: usize| {
-        DMatrix::from_fn(n, count, |k, c| match c {
-            0 => 1.0,
-            c if c <= joints => slopes[(k, c - 1)],
-            c => slopes[(k, c - 1 - joints)] * q[(k, c - 1 - joints)],
-        })
-    };
-    let counts = [1 + 2 * joints, 1 + joints];
     // Two postures a column leave noise.
-    let count = counts.into_iter().find(|count| n >= 2 * count);
-    let Some(x) = count.map(columns) else {
-        return Noise {
-            std: FLOOR[row],
-            from_log: false,
-            rows_per_sample: 1.0,
-        };
+    let counts = [1 + 2 * joints, 1 + joints];
+    let Some(count) = counts.into_iter().find(|count| n >= 2 * count) else {
+        return (FLOOR[row], false, 1.0);
     };
-    let (square, _) = left(&x, &y);
-    let std = square.sqrt();
+    let x = DMatrix::from_fn(n, count, |k, c| match c {
+        0 => 1.0,
+        c if c <= joints => slopes[(k, c - 1)],
+        c => slopes[(k, c - 1 - joints)] * q[(k, c - 1 - joints)],
+    });
+    let std = left(&x, &y).0.sqrt();
     let known = if std.is_finite() { std } else { LIMIT[row] };
-    let correlation = match t {
-        Some(t) => Correlation::of(t, &y, &x),
-        None => Correlation::NONE,
-    };
-    Noise {
-        std: known.clamp(FLOOR[row], LIMIT[row]),
-        from_log: (FLOOR[row]..=LIMIT[row]).contains(&known),
-        rows_per_sample: correlation.rows_per_sample,
-    }
+    let correlation = t.map_or(Correlation::NONE, |t| Correlation::of(t, &y, &x));
+    (
+        known.clamp(FLOOR[row], LIMIT[row]),
+        (FLOOR[row]..=LIMIT[row]).contains(&known),
+        correlation.rows_per_sample,
+    )
 }
 
 /// How a sole lies on the floor, or how well that is known.
@@ -436,49 +415,49 @@ impl ClosureFound {
 
     /// What a fit says, which can do nothing about it; `left`: the best offset leaves more
     /// than noise, `by`: who has the joints there.
-    pub(super) fn of_joints(&self, left: bool, by: &str) -> String {
+    fn of_joints(&self, left: bool, by: &str) -> String {
+        let apart = self.apart(by);
         if self.closes {
-            return format!(
-                "{}, as noise and the flatness of soles allow.",
-                self.apart(by)
-            );
+            return format!("{apart}, as noise and the flatness of soles allow.");
         }
-        let Some(first) = self.explained_by.first() else {
+        let offsets: Vec<String> = self.explained_by.iter().map(Offset::sentence).collect();
+        let Some((first, others)) = offsets.split_first() else {
             return format!(
-                "{}, and no offset of one joint explains it: check that both soles are flat on \
-                 one floor and that their frames lie in them, z up.",
-                self.apart(by)
+                "{apart}, and no offset of one joint explains it: check that both soles are flat \
+                 on one floor and that their frames lie in them, z up."
             );
         };
-        let others = self.explained_by.iter().skip(1).map(Offset::sentence);
-        let others: Vec<String> = others.collect();
-        let or = match others.is_empty() {
-            true => String::new(),
-            false => format!(" (or {})", others.join(", or ")),
+        let or = match others {
+            [] => String::new(),
+            others => format!(" (or {})", others.join(", or ")),
         };
         let most = if left { "most of it" } else { "it" };
         format!(
-            "{}: an offset of {}{or} explains {most}, which bends the legs and moves the CoM.",
-            self.apart(by),
-            first.sentence()
+            "{apart}: an offset of {first}{or} explains {most}, which bends the legs and moves the \
+             CoM."
         )
     }
 
     /// What a diagnosis says, whose explanation leaves `after`; `changed` where there is one.
     #[doc(hidden)]
     pub fn explained(mut self, changed: bool) -> ClosureFound {
-        let apart = self.apart("CAD");
-        let flat = "check that both soles are flat on one floor, and that their frames lie in \
-                    them, z up";
-        self.sentence = match (self.closes, changed) {
-            (true, false) => format!("{apart}, as noise and the flatness of soles allow."),
-            (true, true) => format!("{apart}, {} with it.", self.after.sentence()),
-            (false, false) => format!("{apart}, which noise does not explain: {flat}."),
-            (false, true) => format!(
-                "{apart}, still {} with it, which noise does not explain: {flat}.",
-                self.after.sentence()
-            ),
+        let after = self.after.sentence();
+        let rest = match (self.closes, changed) {
+            (true, false) => "as noise and the flatness of soles allow".to_string(),
+            (true, true) => format!("{after} with it"),
+            (false, _) => {
+                let still = if changed {
+                    format!("still {after} with it, ")
+                } else {
+                    String::new()
+                };
+                format!(
+                    "{still}which noise does not explain: check that both soles are flat on one \
+                     floor, and that their frames lie in them, z up"
+                )
+            }
         };
+        self.sentence = format!("{}, {rest}.", self.apart("CAD"));
         self
     }
 }

@@ -263,13 +263,17 @@ impl Places {
 
     fn model(&self, from: &str) -> Option<Arc<Model>> {
         let mut on = self.on.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = on.get(from) {
-            return known.clone();
-        }
-        let model = self.robot.model(from, self.snapping, None).ok();
-        let model = model.map(Arc::new);
-        on.insert(from.to_string(), model.clone());
-        model
+        let known = on.entry(from.to_string());
+        let model = || self.robot.model(from, self.snapping, None).ok();
+        known.or_insert_with(|| model().map(Arc::new)).clone()
+    }
+
+    /// The robot on the link `from`, the body that holds the link `of` there, and its place on it.
+    fn place(&self, from: &str, of: &str) -> Option<(Arc<Model>, usize, poses::Pose)> {
+        let model = self.model(from)?;
+        let link = model.tree.links.iter().position(|link| link.name == of)?;
+        let (body, place) = poses::of_link(&model, link)?;
+        Some((model, body, place))
     }
 }
 
@@ -281,20 +285,15 @@ impl fmt::Debug for Places {
 
 impl Soles for Places {
     fn seen(&self, q: &[f64], from: &str, of: &str, at: [f64; 2]) -> Option<[f64; 2]> {
-        let model = self.model(from)?;
-        let link = model.tree.links.iter().position(|link| link.name == of)?;
-        let (body, place) = poses::of_link(&model, link)?;
-        let mut bodies = Vec::new();
-        poses::bodies(&model, q, &mut bodies);
+        let (model, body, place) = self.place(from, of)?;
+        let bodies = poses::bodies(&model.chain.bodies, q);
         let sole = bodies.get(body)?.then(&place);
         let point = sole.point(&Vector3::new(at[0], at[1], 0.0));
         Some([point.x, point.y])
     }
 
     fn fixed(&self, from: &str, of: &str) -> Option<Frame> {
-        let model = self.model(from)?;
-        let link = model.tree.links.iter().position(|link| link.name == of)?;
-        let (_, place) = poses::of_link(&model, link).filter(|(body, _)| *body == 0)?;
+        let (.., place) = self.place(from, of).filter(|(_, body, _)| *body == 0)?;
         let origin = place.point(&Vector3::zeros());
         let axis = |k: usize| (place.point(&Vector3::ith(k, 1.0)) - origin).into();
         Some(Frame {
@@ -311,11 +310,9 @@ pub(crate) fn tell_contacts(data: &mut Postures, model: &Model, other: &OtherFoo
         return;
     };
     let (layout, dof) = (PostureContext::of(model), model.dof());
-    let mut bodies = Vec::new();
     // s T p₂
-    let mut placed = |q: &[f64], [share, x, y]: [f64; 3]| {
-        poses::bodies(model, q, &mut bodies);
-        let sole = bodies[body].then(&place);
+    let placed = |q: &[f64], [share, x, y]: [f64; 3]| {
+        let sole = poses::bodies(&model.chain.bodies, q)[body].then(&place);
         sole.origin * share + sole.rotation * Vector3::new(x, y, 0.0)
     };
     let contexts = data.posture_context.chunks_exact_mut(layout.len());
@@ -353,20 +350,22 @@ pub fn of_one_foot(model: &Model, other: &OtherFoot, data: &Postures) -> Option<
     }
     let n = data.len();
     let cad = Evaluator::new(model, Function::Cop).run(&data.q, n);
-    let centred = |values: &[f64], axis: usize| -> Vec<f64> {
-        let own = values.iter().skip(axis).step_by(2);
-        let mean = own.clone().sum::<f64>() / n.max(1) as f64;
-        own.map(|x| x - mean).collect()
-    };
-    let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-    let axes = [0, 1].map(|axis| (axis, square(&centred(&cad, axis))));
-    let (axis, of_cad) = axes[usize::from(axes[0].1 <= axes[1].1)];
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let axes = [0, 1].map(|axis| {
+        let [cad, read] = [&cad, &data.reading].map(|values| {
+            let own = values.iter().skip(axis).step_by(2);
+            let mean = own.clone().sum::<f64>() / n.max(1) as f64;
+            own.map(|x| x - mean).collect::<Vec<f64>>()
+        });
+        (dot(&cad, &cad), cad, read)
+    });
+    let [x, y] = axes;
+    let (of_cad, x, y) = if x.0 > y.0 { x } else { y };
     if n < FEWEST || of_cad < n as f64 * MOVES_M * MOVES_M {
         return None;
     }
-    let (x, y) = (centred(&cad, axis), centred(&data.reading, axis));
-    let slope = x.iter().zip(&y).map(|(x, y)| x * y).sum::<f64>() / of_cad;
-    let left = square(&y) - slope * slope * of_cad;
+    let slope = dot(&x, &y) / of_cad;
+    let left = dot(&y, &y) - slope * slope * of_cad;
     let error = (left.max(0.0) / (n - 2) as f64 / of_cad).sqrt();
     (slope + ERRORS * error < GOES_WITH).then(|| {
         format!(

@@ -24,6 +24,26 @@ pub struct Fitted {
     logs: Vec<String>,
 }
 
+/// S with S Sᵀ the covariance, of an information `factor`. Rows of zeros know nothing of their
+/// parameter: the others are taken given it.
+pub(crate) fn inverse(factor: &[Vec<f64>]) -> DMatrix<f64> {
+    let n = factor.len();
+    let mut inverse = DMatrix::zeros(n, n);
+    for k in 0..n {
+        // R x = e_k, from below.
+        for i in (0..=k).rev() {
+            let own = &factor[i];
+            let known = (i + 1..=k).map(|j| own[j - i] * inverse[(j, k)]);
+            let known = known.sum::<f64>();
+            let one = if i == k { 1.0 } else { 0.0 };
+            if own[0] > 0.0 {
+                inverse[(i, k)] = (one - known) / own[0];
+            }
+        }
+    }
+    inverse
+}
+
 impl Fitted {
     /// What `file` knows of the robot of `model`.
     ///
@@ -45,24 +65,6 @@ impl Fitted {
         let information = file.information.as_ref().ok_or_else(|| {
             bad("it has no `information.factor`: how well its parameters are known; fit again")
         })?;
-        let n = file.parameters.len();
-        let row = |i: usize| information.factor.get(i).map_or(&[][..], Vec::as_slice);
-        let mut factor = DMatrix::zeros(n, n);
-        for k in 0..n {
-            // R x = e_k, from below.
-            for i in (0..=k).rev() {
-                let own = row(i);
-                let known = (i + 1..=k)
-                    .map(|j| own[j - i] * factor[(j, k)])
-                    .sum::<f64>();
-                let one = if i == k { 1.0 } else { 0.0 };
-                factor[(i, k)] = if own[0] > 0.0 {
-                    (one - known) / own[0]
-                } else {
-                    0.0
-                };
-            }
-        }
         Ok(Fitted {
             source: source.to_string(),
             values: file
@@ -70,7 +72,7 @@ impl Fitted {
                 .iter()
                 .map(|parameter| parameter.value)
                 .collect(),
-            factor,
+            factor: inverse(&information.factor),
             logs: file.data.iter().map(|log| log.hash.clone()).collect(),
         })
     }

@@ -27,7 +27,7 @@ use crate::observations::repeats::{Group, Repeats};
 use crate::observations::revisits::Again;
 use crate::observations::row_matrix::RowMatrix;
 use crate::observations::rows::{Measurement, Rows};
-use crate::observations::samples;
+use crate::observations::sample_count;
 
 mod fold;
 mod folding;
@@ -105,7 +105,7 @@ pub struct Gathered {
     #[serde(default)]
     pub health: Vec<Finding>,
     /// What rows are worth.
-    pub samples: samples::Sum,
+    pub samples: sample_count::Sum,
     /// Σ over rows of each axis' variance: stated, or in units of both axes' mean.
     pub axes: [f64; 2],
     /// Rows were freed of their correlation: repeats within a visit are no noise.

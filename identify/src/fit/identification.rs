@@ -15,7 +15,7 @@ use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::{LackOfFit, Visits};
 use crate::observations::revisits::Again;
-use crate::observations::samples::Samples;
+use crate::observations::sample_count::SampleCount;
 
 /// How to fit.
 #[derive(Debug, Clone)]
@@ -142,7 +142,7 @@ pub struct Identification {
     /// The same of x, y.
     pub noise_axes: [f64; 2],
     /// Independent samples in the logs.
-    pub samples: Samples,
+    pub samples: SampleCount,
     /// How motion of the joints counted.
     pub motion: MotionUse,
     /// Scatter between visits of a posture; none if no posture was visited again.

@@ -13,10 +13,8 @@ pub mod fitted;
 mod freed_tests;
 mod gather;
 mod identification;
-mod joined;
 mod limits;
 mod logs;
-mod looked;
 #[cfg(test)]
 mod mass_tests;
 pub(crate) mod masses;
@@ -26,12 +24,10 @@ pub mod part;
 mod physical;
 pub mod population;
 pub mod prior;
-mod report;
 mod request;
 pub mod residuals;
-mod revisits;
 mod robust;
-mod soles;
+mod run;
 mod stream;
 mod summary;
 mod timing;
@@ -40,7 +36,7 @@ pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub use crate::observations::noise::NoiseSource;
 pub use crate::observations::repeats::{LackOfFit, Visits};
 pub use crate::observations::revisits::Again;
-pub use crate::observations::samples::Samples;
+pub use crate::observations::sample_count::SampleCount;
 #[doc(hidden)]
 pub use estimate::identify;
 #[cfg(test)]
@@ -51,11 +47,7 @@ pub use gather::{DownWeighted, LogUsed};
 pub use identification::{
     BodyLength, Correlation, HeightConstant, Identification, ParameterFound, Settings, Unseen,
 };
-#[doc(hidden)]
-pub use logs::Logs;
-pub use looked::gather;
-pub(crate) use looked::gather_as;
-pub(crate) use report::check_result;
-pub use report::{Report, fit, residuals};
 pub use request::{Duplicates, FOLDS, Request};
 pub use robust::Loss;
+pub use run::{Report, fit, gather, residuals};
+pub(crate) use run::{check_result, gather_as};

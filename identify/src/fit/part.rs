@@ -5,15 +5,14 @@
 //! it is about, so that nothing else is needed.
 //!
 //! ```text
-//! gzip of {"format":"sesc factor 4", robot, unit, options, logs, folds: parameters and rows of factors …}
-//! upper triangles row by row, 64-bit floats, little-endian: fold by fold, weighted, then plain
+//! gzip of {"format":"sesc factor 5", robot, unit, options, logs, folds: upper triangles row by row …}
 //! ```
 //!
-//! The header may also stand as it is, with a newline behind it. Parts of other options are not of
+//! Parts of other options are not of
 //! one fit: a fit of all their logs has one of each. Units of joints and feet on the floor belong
 //! to each log, and sums know nothing of CAD's tolerances.
 
-use std::io::{Read as _, Write as _};
+use std::io::Read as _;
 use std::path::Path;
 
 use flate2::Compression;
@@ -28,24 +27,19 @@ use super::robust::Loss;
 use crate::health::Finding;
 use crate::logs::Stays;
 use crate::logs::names::short;
-use crate::lsq::factor::Factor;
 use crate::observations::motion_use::MotionModel;
 use crate::robot::Robot;
 use crate::{Error, Message, Setting, message};
 
 /// First words of every file of this kind, with the version of its layout.
-const FORMAT: &str = "sesc factor 4";
-/// First bytes of gzip.
-const GZIP: [u8; 2] = [0x1f, 0x8b];
-/// A packed header is at most so many times larger unpacked, beyond a mebibyte.
+const FORMAT: &str = "sesc factor 5";
+/// A part is at most so many times larger unpacked, beyond a mebibyte.
 const PACKED: u64 = 64;
-/// Bytes of one number.
-const NUMBER: usize = size_of::<f64>();
 
 /// A contribution to a fit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Part {
-    /// `sesc factor 4`.
+    /// `sesc factor 5`.
     format: String,
     /// Hash of the robot.
     pub hash: String,
@@ -381,96 +375,28 @@ struct Kind {
     format: String,
 }
 
-/// How many numbers a header says that follow it.
-#[derive(Deserialize)]
-struct Sizes {
-    gathered: Folds,
-}
-
-#[derive(Deserialize)]
-struct Folds {
-    folds: Vec<FoldSizes>,
-}
-
-#[derive(Deserialize)]
-struct FoldSizes {
-    weighted: Size,
-    plain: Option<Size>,
-}
-
-#[derive(Deserialize)]
-struct Size {
-    params: usize,
-}
-
-impl Sizes {
-    /// None where they cannot be counted.
-    fn bytes(&self) -> Option<usize> {
-        let folds = self.gathered.folds.iter();
-        let mut sizes = folds.flat_map(|fold| [Some(&fold.weighted), fold.plain.as_ref()]);
-        let sum = sizes.try_fold(0_usize, |sum, size| match size {
-            Some(size) => sum.checked_add(Factor::numbers_of(size.params)?),
-            None => Some(sum),
-        });
-        sum?.checked_mul(NUMBER)
-    }
-}
-
 /// The bytes of a part.
 fn written(part: &Part) -> Result<Vec<u8>, serde_json::Error> {
-    let header = serde_json::to_vec(part)?;
     let mut packed = GzEncoder::new(Vec::new(), Compression::default());
-    let packed = packed.write_all(&header).and_then(|()| packed.finish());
-    let mut bytes = match packed {
-        Ok(packed) if header.len() as u64 <= most_unpacked(packed.len()) => packed,
-        _ => [&header[..], b"\n"].concat(),
-    };
-    for fold in &part.gathered.folds {
-        for factor in [Some(&fold.weighted), fold.plain.as_ref()] {
-            let numbers = factor.into_iter().flat_map(Factor::numbers);
-            bytes.extend(numbers.flat_map(f64::to_le_bytes));
-        }
-    }
-    Ok(bytes)
-}
-
-/// Largest header that so many packed bytes may hold.
-fn most_unpacked(packed: usize) -> u64 {
-    (1 << 20) + PACKED * packed as u64
+    serde_json::to_writer(&mut packed, part)?;
+    packed.finish().map_err(serde_json::Error::io)
 }
 
 /// A part from its bytes.
 fn read(bytes: &[u8]) -> Result<Part, String> {
-    if bytes.starts_with(&GZIP) {
-        let mut decoder = GzDecoder::new(bytes);
-        let (mut header, most) = (Vec::new(), most_unpacked(bytes.len()));
-        let read = decoder.by_ref().take(most + 1).read_to_end(&mut header);
-        read.map_err(damaged)?;
-        if header.len() as u64 > most {
-            return Err(damaged("its header is too long"));
-        }
-        return parsed(&header, decoder.into_inner());
+    let most = (1 << 20) + PACKED * bytes.len() as u64;
+    let mut text = Vec::new();
+    let mut unpacked = GzDecoder::new(bytes).take(most + 1);
+    if let Err(error) = unpacked.read_to_end(&mut text) {
+        return Err(match text.is_empty() {
+            true => format!("no factor file of a fit that only gathers: {error}"),
+            false => damaged(error),
+        });
     }
-    let mut kinds = serde_json::Deserializer::from_slice(bytes).into_iter::<Kind>();
-    match kinds.next() {
-        Some(Ok(_)) => {
-            let (header, rest) = bytes.split_at(kinds.byte_offset());
-            parsed(header, rest.strip_prefix(b"\n").unwrap_or(rest))
-        }
-        Some(Err(error)) => Err(format!(
-            "no factor file of a fit that only gathers: {error}"
-        )),
-        None => Err("no factor file of a fit that only gathers: it is empty".to_string()),
+    if text.len() as u64 > most {
+        return Err(damaged("it is too long"));
     }
-}
-
-fn damaged(reason: impl std::fmt::Display) -> String {
-    format!("a damaged factor file: {reason}; gather the log again")
-}
-
-/// A part from its header and the numbers behind it.
-fn parsed(header: &[u8], numbers: &[u8]) -> Result<Part, String> {
-    let kind: Kind = serde_json::from_slice(header).map_err(damaged)?;
+    let kind: Kind = serde_json::from_slice(&text).map_err(damaged)?;
     if kind.format != FORMAT {
         return Err(format!(
             "it is `{}`, and this version of sesc reads `{FORMAT}`; take the version that wrote \
@@ -478,30 +404,16 @@ fn parsed(header: &[u8], numbers: &[u8]) -> Result<Part, String> {
             short(&kind.format)
         ));
     }
-    // Counted before anything as large is made.
-    let sizes: Sizes = serde_json::from_slice(header).map_err(damaged)?;
-    if sizes.bytes() != Some(numbers.len()) {
-        return Err(damaged(format!(
-            "{} bytes of numbers follow its header, which says {}",
-            numbers.len(),
-            sizes.bytes().map_or("more".to_string(), |n| n.to_string())
-        )));
-    }
-    let mut part: Part = serde_json::from_slice(header).map_err(damaged)?;
-    let (numbers, _) = numbers.as_chunks::<NUMBER>();
-    let mut numbers = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes));
-    for fold in &mut part.gathered.folds {
-        for factor in [Some(&mut fold.weighted), fold.plain.as_mut()] {
-            let Some(factor) = factor else { continue };
-            let count = Factor::numbers_of(factor.params()).unwrap_or(0);
-            factor.fill(numbers.by_ref().take(count));
-        }
-    }
-    Ok(part)
+    serde_json::from_slice(&text).map_err(damaged)
+}
+
+fn damaged(reason: impl std::fmt::Display) -> String {
+    format!("a damaged factor file: {reason}; gather the log again")
 }
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write as _;
     use std::sync::Arc;
 
     use serde_json::Value;
@@ -529,65 +441,61 @@ mod tests {
         gather(&request, &mut ()).unwrap()
     }
 
-    /// The packed header of a part, as JSON, and the numbers behind it.
-    fn header(bytes: &[u8]) -> (Value, Vec<u8>) {
-        let mut decoder = GzDecoder::new(bytes);
-        let mut text = String::new();
-        decoder.read_to_string(&mut text).unwrap();
-        let numbers = decoder.into_inner().to_vec();
-        (serde_json::from_str(&text).unwrap(), numbers)
+    fn unpacked(bytes: &[u8]) -> Value {
+        serde_json::from_reader(GzDecoder::new(bytes)).unwrap()
     }
 
-    fn with_header(header: &Value, numbers: &[u8]) -> Vec<u8> {
-        [header.to_string().as_bytes(), b"\n", numbers].concat()
+    fn packed(text: &str) -> Vec<u8> {
+        let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+        packed.write_all(text.as_bytes()).unwrap();
+        packed.finish().unwrap()
     }
 
     #[test]
-    fn a_part_is_read_back_to_the_bit_packed_or_not() {
+    fn a_part_is_read_back_to_the_bit() {
         let part = monday();
-        let bytes = part.to_bytes().unwrap();
-        let (header, numbers) = header(&bytes);
-        for bytes in [bytes, with_header(&header, &numbers)] {
-            let again = Part::from_bytes(&bytes, "monday.part").unwrap();
-            assert_eq!(again.gathered.folds, part.gathered.folds);
-            assert_eq!((again.postures(), again.support.as_str()), (20, "foot"));
-            assert_eq!(again.options, part.options);
-            assert_eq!(again.urdf, part.urdf);
-        }
+        let again = Part::from_bytes(&part.to_bytes().unwrap(), "monday.part").unwrap();
+        assert_eq!(again.gathered.folds, part.gathered.folds);
+        assert_eq!((again.postures(), again.support.as_str()), (20, "foot"));
+        assert_eq!(again.options, part.options);
+        assert_eq!(again.urdf, part.urdf);
     }
 
     #[test]
     fn parts_of_other_formats_are_refused() {
-        let (whole, numbers) = header(&monday().to_bytes().unwrap());
-        for format in ["sesc factor 1", "sesc factor 3", "sesc factor 5"] {
-            let mut header = whole.clone();
-            header["format"] = format.into();
-            let said = read(&with_header(&header, &numbers)).unwrap_err();
+        let mut part = unpacked(&monday().to_bytes().unwrap());
+        for format in ["sesc factor 1", "sesc factor 4", "sesc factor 6"] {
+            part["format"] = format.into();
+            let said = read(&packed(&part.to_string())).unwrap_err();
             assert!(said.contains(&format!("it is `{format}`")), "{said}");
             assert!(said.contains("gather the log again"), "{said}");
+        }
+        for other in ["", "pose,hip\n"] {
+            let said = read(other.as_bytes()).unwrap_err();
+            assert!(said.contains("no factor file"), "{said}");
         }
     }
 
     #[test]
-    fn damaged_parts_are_refused_before_memory_is_taken() {
+    fn damaged_parts_are_refused() {
         let bytes = monday().to_bytes().unwrap();
-        let (whole, numbers) = header(&bytes);
-        for cut in [1, 8, numbers.len() + 3, bytes.len() - 5] {
+        for cut in [1, 8, 100, bytes.len() / 2] {
             let said = read(&bytes[..bytes.len() - cut]).unwrap_err();
             assert!(said.contains("damaged"), "{cut}: {said}");
         }
-        let mut changed = whole.clone();
-        changed["gathered"]["folds"][0]["weighted"]["params"] = 1_000_000_000_u64.into();
-        let said = read(&with_header(&changed, &numbers)).unwrap_err();
-        let count = format!("{} bytes of numbers", numbers.len());
-        assert!(said.contains(&count), "{said}");
-        let mut odd = numbers.clone();
-        odd[..8].copy_from_slice(&f64::NAN.to_le_bytes());
-        let said = Part::from_bytes(&with_header(&whole, &odd), "odd.part").unwrap_err();
+        let whole = unpacked(&bytes);
+        let with_triangle = |numbers: Value| {
+            let mut part = whole.clone();
+            part["gathered"]["folds"][0]["weighted"]["triangle"] = numbers;
+            packed(&part.to_string())
+        };
+        let said = read(&with_triangle(vec![1.0, 2.0].into())).unwrap_err();
+        assert!(said.contains("no triangle"), "{said}");
+        let mut large = whole["gathered"]["folds"][0]["weighted"]["triangle"].clone();
+        large[0] = 1e90.into();
+        let said = Part::from_bytes(&with_triangle(large), "odd.part").unwrap_err();
         assert!(said.to_string().contains("`triangle`"), "{said}");
-        let mut bomb = GzEncoder::new(Vec::new(), Compression::best());
-        bomb.write_all(&vec![b' '; 1 << 24]).unwrap();
-        let said = read(&bomb.finish().unwrap()).unwrap_err();
+        let said = read(&packed(&" ".repeat(1 << 24))).unwrap_err();
         assert!(said.contains("too long"), "{said}");
     }
 }

@@ -8,10 +8,9 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
+use super::identification::Identification;
 use super::logs::{BLOCK, Logs};
 use crate::Error;
-use crate::observations::motion::Plan;
-use crate::observations::rows::Measurement;
 use crate::watch::{Watch, tell};
 
 /// Rows kept.
@@ -62,20 +61,22 @@ pub fn rms_lengths(rows: &[Residual]) -> [f64; 2] {
 ///
 /// # Errors
 /// When a log cannot be read again.
-pub(crate) fn sample(
+pub(super) fn sample(
     logs: &Logs<'_>,
-    measurement: &mut Measurement<'_>,
-    (params, plans): (&DVector<f64>, &[Option<Plan>]),
+    found: &Identification,
     watch: &mut dyn Watch,
 ) -> Result<Sample, Error> {
+    let mut measurement = logs.measurement()?;
     let cad = DVector::from_vec(measurement.model().cad_params());
+    let params = &found.estimate.params;
     let mut kept: Vec<(usize, Residual)> = Vec::new();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut seen = 0;
     let dof = measurement.model().dof();
     let mut used = vec![[f64::INFINITY, f64::NEG_INFINITY]; dof];
-    for (k, file) in logs.files.iter().enumerate() {
-        let mut reader = logs.moving(file, plans.get(k).and_then(Option::as_ref))?;
+    let plans = found.plans.iter().map(Option::as_ref);
+    for logged in logs.moving(plans.chain(std::iter::repeat(None))) {
+        let (_, mut reader) = logged?;
         loop {
             let (block, motion) = reader.known_rows(BLOCK)?;
             if block.is_empty() {

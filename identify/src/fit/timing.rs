@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF as _, FisherSnedecor};
 
 use crate::Error;
-use crate::logs::{Block, PostureReader};
+use crate::logs::{Block, Rows as LogRows};
 use crate::observations::correlation::{self, Correlation, Process};
 use crate::observations::criteria::repeats::UNLIKELY;
 use crate::observations::grouping::{DOWN, Grouping};
@@ -84,7 +84,7 @@ impl Timing {
     /// # Errors
     /// What is wrong with the log.
     pub fn read(
-        reader: &mut PostureReader,
+        log: &mut LogRows,
         measurement: &mut Measurement<'_>,
         (folds, own_axes): (usize, bool),
         motion: MotionModel,
@@ -92,7 +92,7 @@ impl Timing {
     ) -> Result<Timing, Error> {
         let (mut blocks, mut rows, mut ended) = (Vec::new(), 0, false);
         while rows < ROWS && !ended {
-            let block = reader.block(BLOCK)?;
+            let block = log.block(BLOCK)?;
             ended = block.is_empty() || block.reading.is_none();
             if !ended {
                 rows += block.len();

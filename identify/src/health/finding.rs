@@ -3,8 +3,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::observations::postures::Postures;
-
 /// What is wrong with data; those kinds first that make data unusable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -130,45 +128,35 @@ pub struct Row {
 }
 
 impl Row {
-    /// Posture `k` of those of a log.
-    pub(crate) fn among(data: &Postures, k: usize) -> Row {
-        let dof = data.q.len() / data.len().max(1);
+    /// Posture `k` of those of a log, by the numbers and joint positions of all.
+    pub(crate) fn among(pose: &[i64], q: &[f64], k: usize) -> Row {
+        let dof = q.len() / pose.len().max(1);
         Row {
             number: k + 1,
-            pose: data.pose[k],
-            q: data.q[k * dof..(k + 1) * dof].to_vec(),
+            pose: pose[k],
+            q: q[k * dof..(k + 1) * dof].to_vec(),
         }
     }
 }
 
 impl Picture {
-    /// The value of each of so many rows.
-    pub(super) fn of(
+    /// Values of each of so many rows, and whether the finding is about them; of rows that are
+    /// evenly chosen, at most 500 values.
+    pub(crate) fn new(
         title: &str,
         rows: usize,
         row: impl Fn(usize) -> Row,
-        value: impl Fn(usize) -> f64,
-        meant: impl Fn(usize) -> bool,
-    ) -> Picture {
-        Picture::chosen(title, rows, row, |k| [(value(k), meant(k))])
-    }
-
-    /// N values of each of so many rows, and whether the finding is about them; of at most
-    /// 500 / N rows, evenly chosen.
-    pub(crate) fn chosen<const N: usize>(
-        title: &str,
-        rows: usize,
-        row: impl Fn(usize) -> Row,
-        values: impl Fn(usize) -> [(f64, bool); N],
+        values: impl Fn(usize) -> Vec<(f64, bool)>,
     ) -> Picture {
         let mut picture = Picture {
             title: title.to_string(),
             ..Picture::default()
         };
-        for k in (0..rows).step_by((N * rows).div_ceil(500).max(1)) {
+        let each = if rows > 0 { values(0).len() } else { 1 };
+        for k in (0..rows).step_by((each * rows).div_ceil(500).max(1)) {
             let own = row(k);
             let point = |(value, meant)| (own.number, value, meant);
-            picture.points.extend(values(k).map(point));
+            picture.points.extend(values(k).into_iter().map(point));
             picture.rows.push(own);
         }
         picture

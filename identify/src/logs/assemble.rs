@@ -29,20 +29,21 @@ use sesc_model::text::listed;
 use sesc_model::tree::{Dof, is_support};
 
 use super::block::{Block, Cells};
-use super::bounds::{Bound, LEAST_LOAD_N, check_cop, scale, three_digits};
+use super::bounds::{Bound, LEAST_LOAD_N, check_cop, three_digits};
 use super::columns::{Columns, POSE};
 use super::names::{list, short};
-use super::settings::{Angles, Options, Sidecar, check_gravity};
+use super::settings::{Options, Sidecar, check_gravity};
 use super::source::{MISSING, Raw};
 use crate::{Error, Message, Setting, message};
 
 /// Makes blocks of raw rows.
 pub(super) struct Assembler {
-    file: String,
-    columns: Columns,
+    pub file: String,
+    /// Those without a value are none, once the first rows were seen.
+    pub columns: Columns,
     bounds: Vec<Bound>,
-    /// To rad or m, and whether it turns without end, of each joint.
-    joints: Vec<(f64, bool)>,
+    /// Whether a joint turns without end.
+    endless: Vec<bool>,
     cells: Vec<[f64; 2]>,
     support: Option<Arc<str>>,
     gravity: Option<[f64; 3]>,
@@ -74,19 +75,16 @@ struct Missing {
 impl Assembler {
     pub fn new(
         file: &str,
-        columns: &Columns,
+        columns: Columns,
         dofs: &[Dof],
-        angles: Angles,
         sidecar: &Sidecar,
         options: &Options,
     ) -> Result<Assembler, Error> {
         let support = options.support.as_deref().or(sidecar.support.as_deref());
-        let joints = dofs.iter().map(|dof| (scale(dof, angles), dof.continuous));
         let assembler = Assembler {
             file: file.to_string(),
-            columns: columns.clone(),
-            bounds: Bound::all(columns, dofs, angles, options.any_unit),
-            joints: joints.collect(),
+            bounds: Bound::all(&columns, dofs, options.any_unit),
+            endless: dofs.iter().map(|dof| dof.continuous).collect(),
             cells: sidecar.cells.clone().unwrap_or_default(),
             support: support.map(Arc::from),
             gravity: sidecar.gravity,
@@ -101,7 +99,9 @@ impl Assembler {
                 ..Missing::default()
             },
             last: (Vec::new(), f64::NAN, MISSING),
+            columns,
         };
+        let columns = &assembler.columns;
         if let Some(link) = &assembler.support {
             let known = assembler.known_link(link);
             known.map_err(|message| match options.support {
@@ -196,19 +196,19 @@ impl Assembler {
         }
     }
 
-    /// Whether rows have times.
-    pub fn is_timed(&self) -> bool {
-        self.columns.t.is_some()
-    }
-
-    /// What is said at the end of the log of values that its rows do not have.
+    /// What is said at the end of the log, of which `rows` are left, of values that rows do not have.
     ///
     /// # Errors
     /// A log of which no row is left.
-    pub fn conclude(&self, rows: u64, warnings: &mut Vec<Message>) -> Result<(), Error> {
-        let (lost, first) = (self.missing.rows, self.missing.first);
-        let unused = &self.missing.unused;
+    pub fn conclude(&self, rows: u64) -> Result<Vec<Message>, Error> {
+        let Missing {
+            rows: lost,
+            first,
+            of,
+            unused,
+        } = &self.missing;
         let named = |k: usize| self.columns.names.get(k).map_or(POSE, String::as_str);
+        let mut warnings = Vec::new();
         if !unused.is_empty() {
             let names: Vec<&str> = unused.iter().map(|k| named(*k)).collect();
             let noun = if names.len() == 1 {
@@ -219,27 +219,21 @@ impl Assembler {
             let said = format!("{noun} without a value, and not used: {}", list(&names));
             warnings.push(format!("{}: {said}", self.file).into());
         }
-        if lost == 0 {
-            return Ok(());
+        if *lost > 0 {
+            let of = of.iter().enumerate().filter(|(_, count)| **count > 0);
+            let of = of.map(|(k, count)| format!("`{}` in {count}", short(named(k))));
+            let said = format!(
+                "{lost} of {} rows have no value of a column and are left out: {} (the first is \
+                 row {first})",
+                rows + lost,
+                listed(of, 8)
+            );
+            if rows == 0 {
+                return Err(self.fault(Some(*first), said));
+            }
+            warnings.push(format!("{}: {said}", self.file).into());
         }
-        let of = self
-            .missing
-            .of
-            .iter()
-            .enumerate()
-            .filter(|(_, count)| **count > 0);
-        let of = of.map(|(k, count)| format!("`{}` in {count}", short(named(k))));
-        let said = format!(
-            "{lost} of {} rows have no value of a column and are left out: {} (the first is row \
-             {first})",
-            rows + lost,
-            listed(of, 8)
-        );
-        if rows == 0 {
-            return Err(self.fault(Some(first), said));
-        }
-        warnings.push(format!("{}: {said}", self.file).into());
-        Ok(())
+        Ok(warnings)
     }
 
     /// Take note of a row that misses values.
@@ -336,11 +330,11 @@ impl Assembler {
     fn unwrap(&mut self, pose: i64, block: &mut Block) {
         let t = block.t.as_ref().and_then(|all| all.last()).copied();
         let t = t.unwrap_or(f64::NAN);
-        let start = block.q.len() - self.joints.len();
+        let start = block.q.len() - self.endless.len();
         let q = &mut block.q[start..];
         let (last, last_t, last_pose) = &mut self.last;
         let follows = *last_pose == pose || (0.0..=1.0).contains(&(t - *last_t));
-        for ((q, last), (_, endless)) in q.iter_mut().zip(last.iter()).zip(&self.joints) {
+        for ((q, last), endless) in q.iter_mut().zip(last.iter()).zip(&self.endless) {
             if *endless && follows {
                 *q -= TAU * ((*q - last) / TAU).round();
             }
@@ -375,8 +369,7 @@ impl Assembler {
             let mut named = bounded.zip(&columns.names);
             named.try_for_each(|((x, bound), name)| bound.check(name, *x))?;
         }
-        let scaled = numbers.iter().zip(&self.joints);
-        block.q.extend(scaled.map(|(x, (scale, _))| x * scale));
+        block.q.extend(&numbers[columns.joints.clone()]);
         if let (Some(k), Some(t)) = (columns.t, &mut block.t) {
             t.push(numbers[k]);
         }
@@ -392,33 +385,38 @@ impl Assembler {
             all.push(numbers[k]);
         }
         let force = &numbers[columns.cells.clone()];
-        let force_std = columns.cell_std.map(|k| &numbers[k..k + force.len()]);
-        let force_std = force_std.map(|all| all.iter().map(|s| s * self.shrink));
+        let force_std = columns.cell_std.map(|k| -> Vec<f64> {
+            let own = numbers[k..k + force.len()].iter();
+            own.map(|s| s * self.shrink).collect()
+        });
         if let Some(cells) = &mut block.cells {
             cells.force.extend(force);
-            if let (Some(all), Some(std)) = (&mut cells.std, force_std.clone()) {
+            if let (Some(all), Some(std)) = (&mut cells.std, &force_std) {
                 all.extend(std);
             }
         }
         let Some(reading) = &mut block.reading else {
             return Ok(());
         };
-        if let Some(k) = columns.cop {
-            reading.push([numbers[k], numbers[k + 1]]);
-            if let (Some(std), Some(k)) = (&mut block.std, columns.cop_std) {
-                std.push([numbers[k] * self.shrink, numbers[k + 1] * self.shrink]);
+        let (cop, std) = match columns.cop {
+            Some(k) => {
+                let pair = |k: usize| [numbers[k], numbers[k + 1]];
+                let std = columns.cop_std.map(pair);
+                (pair(k), std.map(|std| std.map(|s| s * self.shrink)))
             }
-        } else {
-            let cop = match centre(&self.cells, force) {
-                Err(_) if self.no_load => [0.0; 2],
-                cop => cop?,
-            };
-            check_cop(cop)?;
-            reading.push(cop);
-            if let (Some(all), Some(std)) = (&mut block.std, force_std) {
-                let own = deviation(&self.cells, force, std, cop);
-                all.push(own.map(|s| if s.is_finite() { s } else { 1.0 }));
+            None => {
+                let cop = match centre(&self.cells, force) {
+                    Err(_) if self.no_load => [0.0; 2],
+                    cop => cop?,
+                };
+                check_cop(cop)?;
+                let std = force_std.map(|std| deviation(&self.cells, force, &std, cop));
+                (cop, std)
             }
+        };
+        reading.push(cop);
+        if let (Some(all), Some(std)) = (&mut block.std, std) {
+            all.push(std);
         }
         Ok(())
     }
@@ -487,19 +485,13 @@ fn centre(places: &[[f64; 2]], f: &[f64]) -> Result<[f64; 2], String> {
     }
 }
 
-/// Deviation of a CoP from those of its forces, to first order.
-fn deviation(
-    places: &[[f64; 2]],
-    f: &[f64],
-    std: impl Iterator<Item = f64>,
-    cop: [f64; 2],
-) -> [f64; 2] {
+/// Deviation of a CoP from those of its forces, to first order; 1 m where that says nothing.
+fn deviation(places: &[[f64; 2]], f: &[f64], std: &[f64], cop: [f64; 2]) -> [f64; 2] {
     let total: f64 = f.iter().sum();
-    let mut variance = [0.0; 2];
-    for (place, std) in places.iter().zip(std) {
-        for axis in 0..2 {
-            variance[axis] += ((place[axis] - cop[axis]) * std / total).powi(2);
-        }
-    }
-    variance.map(f64::sqrt)
+    [0, 1].map(|axis| {
+        let parts = places.iter().zip(std);
+        let parts = parts.map(|(place, std)| ((place[axis] - cop[axis]) * std / total).powi(2));
+        let own = parts.sum::<f64>().sqrt();
+        if own.is_finite() { own } else { 1.0 }
+    })
 }

@@ -8,6 +8,7 @@
 //! T places the other sole in the support frame; the robot knows it, a log does not.
 
 use std::fmt::Debug;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Some rows of a log, column by column; every column has one entry per row.
@@ -64,16 +65,25 @@ impl Block {
         keep_some(&mut self.line, 1, keep);
         keep_some(&mut self.pose, 1, keep);
         keep_some(&mut self.q, width, keep);
-        keep_known(&mut self.t, 1, keep);
-        keep_known(&mut self.support, 1, keep);
-        keep_known(&mut self.reading, 1, keep);
-        keep_known(&mut self.std, 1, keep);
-        keep_known(&mut self.gravity, 1, keep);
-        keep_known(&mut self.load, 1, keep);
-        keep_known(&mut self.other, 1, keep);
+        self.t.iter_mut().for_each(|own| keep_some(own, 1, keep));
+        self.support
+            .iter_mut()
+            .for_each(|own| keep_some(own, 1, keep));
+        self.reading
+            .iter_mut()
+            .for_each(|own| keep_some(own, 1, keep));
+        self.std.iter_mut().for_each(|own| keep_some(own, 1, keep));
+        self.gravity
+            .iter_mut()
+            .for_each(|own| keep_some(own, 1, keep));
+        self.load.iter_mut().for_each(|own| keep_some(own, 1, keep));
+        self.other
+            .iter_mut()
+            .for_each(|own| keep_some(own, 1, keep));
         if let Some(cells) = &mut self.cells {
             keep_some(&mut cells.force, cells.count, keep);
-            keep_known(&mut cells.std, cells.count, keep);
+            let std = cells.std.iter_mut();
+            std.for_each(|own| keep_some(own, cells.count, keep));
         }
     }
 
@@ -99,30 +109,26 @@ impl Block {
         }
     }
 
-    /// Take the first `count` rows away.
-    pub(super) fn split_first(&mut self, count: usize) -> Block {
-        let count = count.min(self.len());
+    /// Some of the rows.
+    pub(super) fn part(&self, rows: Range<usize>) -> Block {
         let width = self.q.len() / self.len().max(1);
-        let cells = self.cells.as_mut().map(|cells| {
-            let values = count * cells.count;
-            Cells {
-                count: cells.count,
-                force: cells.force.drain(..values).collect(),
-                std: first(&mut cells.std, values),
-            }
-        });
+        let values = |width: usize| rows.start * width..rows.end * width;
         Block {
-            line: self.line.drain(..count).collect(),
-            pose: self.pose.drain(..count).collect(),
-            t: first(&mut self.t, count),
-            support: first(&mut self.support, count),
-            q: self.q.drain(..count * width).collect(),
-            reading: first(&mut self.reading, count),
-            std: first(&mut self.std, count),
-            cells,
-            gravity: first(&mut self.gravity, count),
-            load: first(&mut self.load, count),
-            other: first(&mut self.other, count),
+            line: self.line[rows.clone()].to_vec(),
+            pose: self.pose[rows.clone()].to_vec(),
+            t: some(&self.t, &rows),
+            support: some(&self.support, &rows),
+            q: self.q[values(width)].to_vec(),
+            reading: some(&self.reading, &rows),
+            std: some(&self.std, &rows),
+            cells: self.cells.as_ref().map(|cells| Cells {
+                count: cells.count,
+                force: cells.force[values(cells.count)].to_vec(),
+                std: some(&cells.std, &values(cells.count)),
+            }),
+            load: some(&self.load, &rows),
+            gravity: some(&self.gravity, &rows),
+            other: some(&self.other, &rows),
         }
     }
 
@@ -132,20 +138,13 @@ impl Block {
     }
 }
 
+fn some<T: Clone>(all: &Option<Vec<T>>, rows: &Range<usize>) -> Option<Vec<T>> {
+    all.as_ref().map(|all| all[rows.clone()].to_vec())
+}
+
 fn join<T>(own: &mut Option<Vec<T>>, other: Option<Vec<T>>) {
     if let (Some(own), Some(other)) = (own, other) {
         own.extend(other);
-    }
-}
-
-fn first<T>(all: &mut Option<Vec<T>>, count: usize) -> Option<Vec<T>> {
-    Some(all.as_mut()?.drain(..count).collect())
-}
-
-/// The same of a column that not every log has.
-fn keep_known<T>(values: &mut Option<Vec<T>>, width: usize, keep: &[bool]) {
-    if let Some(values) = values {
-        keep_some(values, width, keep);
     }
 }
 

@@ -11,12 +11,10 @@
 //! Values within these bounds keep every later sum of squares finite. They are wide: which
 //! unit a log is in, and which rows are outliers, is for others to find.
 
-use std::f64::consts::PI;
-
 use sesc_model::tree::Dof;
 
 use super::columns::Columns;
-use super::settings::{Angles, IN_DEGREES, OR_SIDECAR};
+use super::settings::{IN_DEGREES, OR_SIDECAR};
 use crate::{Message, Setting, message};
 
 /// Least force on a sole, N: with less, nothing stands on it, whoever measured it.
@@ -25,7 +23,7 @@ pub(crate) const LEAST_LOAD_N: f64 = 1.0;
 const COP: f64 = 1e6;
 const ANGLE_RAD: f64 = 1_048_576.0;
 
-/// The values that a column can have, as they stand in it.
+/// The values that a column can have, in SI units.
 #[derive(Clone, Copy)]
 pub(super) struct Bound {
     least: f64,
@@ -35,68 +33,55 @@ pub(super) struct Bound {
 
 #[derive(Clone, Copy)]
 enum Kind {
-    /// What is one of the file's unit, rad; a joint with limits is hardly logged beyond `reach`, rad.
-    Angle {
-        scale: f64,
-        reach: f64,
-    },
+    Angle,
     Time,
-    Deviation,
-    Plain,
+    Other,
 }
 
 impl Bound {
     /// Any finite value.
-    pub const ANY: Bound = Bound {
-        least: -f64::MAX,
-        most: f64::MAX,
-        kind: Kind::Plain,
-    };
+    pub const ANY: Bound = Bound::within(f64::MAX, Kind::Other);
 
-    fn plain(most: f64) -> Bound {
-        let (least, kind) = (-most, Kind::Plain);
-        Bound { least, most, kind }
-    }
-
-    fn deviation(most: f64) -> Bound {
-        let (least, kind) = (f64::MIN_POSITIVE, Kind::Deviation);
-        Bound { least, most, kind }
-    }
-
-    fn joint(dof: &Dof, angles: Angles, any_unit: bool) -> Bound {
-        if dof.prismatic {
-            return Bound::plain(1e6);
+    const fn within(most: f64, kind: Kind) -> Bound {
+        Bound {
+            least: -most,
+            most,
+            kind,
         }
+    }
+
+    /// A standard deviation is positive.
+    fn deviation(most: f64) -> Bound {
+        Bound {
+            least: f64::MIN_POSITIVE,
+            ..Bound::within(most, Kind::Other)
+        }
+    }
+
+    fn joint(dof: &Dof, any_unit: bool) -> Bound {
+        if dof.prismatic {
+            return Bound::within(1e6, Kind::Other);
+        }
+        // Further out than a full turn a joint with limits was hardly logged in radians.
         let reach = match dof.continuous || any_unit {
             true => f64::INFINITY,
-            // Further out than a full turn it was hardly logged in radians.
             false => 6.3_f64.max(dof.lower.abs()).max(dof.upper.abs()),
         };
-        let scale = scale(dof, angles);
-        let kind = Kind::Angle { scale, reach };
-        let most = reach.min(ANGLE_RAD) / scale;
-        Bound {
-            kind,
-            ..Bound::plain(most)
-        }
+        Bound::within(reach.min(ANGLE_RAD), Kind::Angle)
     }
 
     /// Those of the numbers of a row, in their order.
-    pub fn all(columns: &Columns, dofs: &[Dof], angles: Angles, any_unit: bool) -> Vec<Bound> {
+    pub fn all(columns: &Columns, dofs: &[Dof], any_unit: bool) -> Vec<Bound> {
         let mut all = vec![Bound::ANY; columns.numbers.len()];
-        let cells = columns.cells.len();
-        let (cop, force) = (Bound::plain(COP), Bound::plain(1e9));
-        let time = Bound {
-            kind: Kind::Time,
-            ..Bound::plain(1e15)
-        };
         for (own, dof) in all.iter_mut().zip(dofs) {
-            *own = Bound::joint(dof, angles, any_unit);
+            *own = Bound::joint(dof, any_unit);
         }
+        let cells = columns.cells.len();
+        let force = Bound::within(1e9, Kind::Other);
         for (first, count, bound) in [
-            (columns.t, 1, time),
+            (columns.t, 1, Bound::within(1e15, Kind::Time)),
             (columns.load, 1, force),
-            (columns.cop, 2, cop),
+            (columns.cop, 2, Bound::within(COP, Kind::Other)),
             (columns.cop_std, 2, Bound::deviation(COP)),
             (Some(columns.cells.start), cells, force),
             (columns.cell_std, cells, Bound::deviation(1e9)),
@@ -114,71 +99,48 @@ impl Bound {
 
     /// Whether a value is one that can be meant, with its column and a remedy where it is not.
     pub fn check(&self, name: &str, value: f64) -> Result<(), Message> {
-        if !value.is_finite() {
-            return Err(format!(
-                "column `{name}`: {value:?} is not finite; remove the row or mend the value"
-            )
-            .into());
-        }
-        if self.holds(value) {
+        let said = if !value.is_finite() {
+            format!("{value:?} is not finite; remove the row or mend the value")
+        } else if self.holds(value) {
             return Ok(());
-        }
-        Err(match self.kind {
-            Kind::Angle { scale, reach } => return check_angle(name, value * scale, reach),
-            Kind::Time => {
-                format!("column `{name}`: {value:?} s is beyond every clock; give seconds")
+        } else if self.least > 0.0 && value <= 0.0 {
+            format!("a standard deviation of {value}; it must be positive, or leave out the column")
+        } else {
+            match self.kind {
+                Kind::Angle if self.most < ANGLE_RAD => return Err(beyond_a_turn(name, value)),
+                Kind::Angle => format!(
+                    "{value:?} rad: an angle is beyond 2^20 rad, where sines mean nothing; reduce \
+                     it by whole turns, or mend the value"
+                ),
+                Kind::Time => format!("{value:?} s is beyond every clock; give seconds"),
+                Kind::Other => format!(
+                    "{value:?} is beyond {:e}, more than any sensor reads; remove the row or mend \
+                     the value",
+                    self.most
+                ),
             }
-            Kind::Deviation if value <= 0.0 => format!(
-                "column `{name}`: a standard deviation of {value}; it must be positive, or leave \
-                 out the column"
-            ),
-            Kind::Deviation | Kind::Plain => format!(
-                "column `{name}`: {value:?} is beyond {:e}, more than any sensor reads; remove the \
-                 row or mend the value",
-                self.most
-            ),
-        }
-        .into())
+        };
+        Err(format!("column `{name}`: {said}").into())
     }
 }
 
-/// How many rad or m one of the unit of a joint's column is.
-pub(super) fn scale(dof: &Dof, angles: Angles) -> f64 {
-    match angles {
-        Angles::Deg if !dof.prismatic => PI / 180.0,
-        _ => 1.0,
+fn beyond_a_turn(name: &str, rad: f64) -> Message {
+    let said = format!(
+        "column `{name}`: {} rad is more than a full turn",
+        three_digits(rad)
+    );
+    // No joint is logged further out in degrees.
+    if rad.abs() > 400.0 {
+        let remedy = "give (ticks − zero) · 2π / ticks of a turn";
+        return format!("{said}, and would be in degrees: are these ticks of an encoder? {remedy}")
+            .into();
     }
-}
-
-fn check_angle(name: &str, rad: f64, reach: f64) -> Result<(), Message> {
-    if rad.abs() > reach {
-        let said = format!(
-            "column `{name}`: {} rad is more than a full turn",
-            three_digits(rad)
-        );
-        // No joint is logged further out in degrees.
-        return Err(match rad.abs() > 400.0 {
-            true => format!(
-                "{said}, and would be in degrees: are these ticks of an encoder? give (ticks − \
-                 zero) · 2π / ticks of a turn"
-            )
-            .into(),
-            false => message![format!("{said}; {IN_DEGREES}"), Setting::Angles, OR_SIDECAR],
-        });
-    }
-    if rad.abs() > ANGLE_RAD {
-        return Err(format!(
-            "column `{name}`: {rad:?} rad: an angle is beyond 2^20 rad, where sines mean nothing; \
-             reduce it by whole turns, or mend the value"
-        )
-        .into());
-    }
-    Ok(())
+    message![format!("{said}; {IN_DEGREES}"), Setting::Angles, OR_SIDECAR]
 }
 
 /// The same of a CoP that forces on cells give.
 pub(super) fn check_cop([x, y]: [f64; 2]) -> Result<(), Message> {
-    let check = |x| Bound::plain(COP).check("cop_x, cop_y of the cells", x);
+    let check = |x| Bound::within(COP, Kind::Other).check("cop_x, cop_y of the cells", x);
     check(x).and_then(|()| check(y))
 }
 

@@ -8,10 +8,10 @@
 //! ```
 //!
 //! A byte order mark, Windows line ends, blanks around fields and quoted names are all fine.
-//! Memory: a MiB of rows and one row more, which must not be endless, see [`RowInput`].
+//! Memory: a MiB of rows and one row more, which must not be endless.
 //!
 //! ```text
-//! RowInput ─▶ parser ─▶ rows of fields, a MiB of them ─▶ parts, on the processors ─▶ Raw
+//! lines ─▶ parser ─▶ rows of fields, a MiB of them ─▶ parts, on the processors ─▶ Raw
 //! ```
 //!
 //! To make numbers of digits takes longer than to find where fields end. Numbers and errors are
@@ -19,33 +19,51 @@
 
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 
-use csv::ByteRecord;
-use memchr::memchr_iter;
+use csv_core::ReadRecordResult;
 
-use super::columns::{Columns, POSE, units, with_unit};
+use super::columns::{Columns, POSE, with_units};
 use super::input::Metered;
 use super::names::short;
-use super::source::{Interner, MISSING, Raw, RowSource};
+use super::source::{Raw, RowSource, repeated, whole};
 use crate::Error;
-use crate::threads::each_long;
+use crate::threads::by_parts;
 
 /// A CSV file being read.
 pub(super) struct CsvSource {
     file: String,
-    reader: csv::Reader<RowInput>,
-    record: ByteRecord,
-    batch: Batch,
+    input: Box<dyn BufRead + Send>,
+    /// The last line of it, and how much of that was parsed.
+    text: Vec<u8>,
+    at: usize,
+    /// Lines and bytes up to its end.
+    lines: u64,
+    bytes: u64,
+    parser: csv_core::Reader,
     header: Vec<String>,
     /// The line of the header.
     names_line: u64,
     /// The first row, which was looked at for units.
-    first: Option<Result<bool, Error>>,
+    first: Option<Result<Option<Row>, Error>>,
+    /// Rows that are not numbers yet.
+    rows: Vec<Row>,
     meter: Metered,
-    links: Interner,
-    /// Line of the last row.
+}
+
+/// Fields one behind the other, where each ends, and the line on which they begin.
+#[derive(Default)]
+struct Row {
     line: u64,
-    /// Line below it.
-    below: u64,
+    text: Vec<u8>,
+    ends: Vec<usize>,
+}
+
+impl Row {
+    /// Its fields, where it is text; delimiters are ASCII, so that fields are cut between characters.
+    fn fields<'a>(&'a self) -> Option<impl Fn(usize) -> &'a str> {
+        let text = str::from_utf8(&self.text).ok()?;
+        let start = |k: usize| k.checked_sub(1).map_or(0, |last| self.ends[last]);
+        Some(move |k| &text[start(k)..self.ends[k]])
+    }
 }
 
 impl CsvSource {
@@ -65,38 +83,31 @@ impl CsvSource {
         let above = preamble(&head);
         let told = delimiter(&head, above.start).map_err(|message| bad(None, message))?;
         let input = Cursor::new(head.split_off(above.start)).chain(input);
-        let mut reader = csv::ReaderBuilder::new()
-            .delimiter(above.delimiter.unwrap_or(told))
-            .flexible(true)
-            .from_reader(RowInput {
-                input: Box::new(BufReader::new(input)),
-                line: Cursor::default(),
-                since_row: 0,
-                to_pass: 0,
-                lines: above.line - 1,
-            });
-        let header: Vec<String> = match reader.headers() {
-            Ok(header) => header.iter().map(name).collect(),
-            Err(error) => return Err(bad(Some(above.line), fault(&error))),
+        let mut source = CsvSource {
+            file: file.to_string(),
+            input: Box::new(BufReader::new(input)),
+            text: Vec::new(),
+            at: 0,
+            lines: above.line - 1,
+            bytes: 0,
+            parser: csv_core::ReaderBuilder::new()
+                .delimiter(above.delimiter.unwrap_or(told))
+                .build(),
+            header: Vec::new(),
+            names_line: above.line,
+            first: None,
+            rows: Vec::new(),
+            meter,
         };
+        let names = source.next()?.unwrap_or_default();
+        let field = names.fields();
+        let field = field.ok_or_else(|| bad(Some(above.line), NO_TEXT.to_string()))?;
+        let header: Vec<String> = (0..names.ends.len()).map(|k| name(field(k))).collect();
         if header.iter().all(String::is_empty) {
             let message = "no header row; a log starts with the names of its columns";
             return Err(bad(Some(above.line), message.into()));
         }
-        reader.get_mut().since_row = 0;
-        let mut source = CsvSource {
-            file: file.to_string(),
-            reader,
-            record: ByteRecord::new(),
-            batch: Batch::default(),
-            header,
-            names_line: above.line,
-            first: None,
-            meter,
-            links: Interner::default(),
-            line: above.line,
-            below: 0,
-        };
+        source.header = header;
         source.take_units();
         Ok(source)
     }
@@ -104,64 +115,122 @@ impl CsvSource {
     /// A row of units below the names becomes a part of these.
     fn take_units(&mut self) {
         let first = self.next();
-        let fields = self.record.iter().map(|f| str::from_utf8(f).unwrap_or("?"));
-        let units = units(fields).filter(|own| own.len() == self.header.len());
-        match units.filter(|_| matches!(first, Ok(true))) {
-            Some(units) => {
-                let names = self.header.iter().zip(&units);
-                self.header = names.map(|(name, unit)| with_unit(name, unit)).collect();
-            }
+        let row = first.as_ref().ok().and_then(Option::as_ref);
+        let units = row.and_then(|row| {
+            let fields = row.fields()?;
+            with_units(&self.header, (0..row.ends.len()).map(&fields))
+        });
+        match units {
+            Some(names) => self.header = names,
             None => self.first = Some(first),
         }
     }
 
-    /// The next row that is not blank.
-    fn next(&mut self) -> Result<bool, Error> {
+    /// The next row that is not blank; none at the end. A line without an end has one here, and
+    /// no row is endless, since an open quote could swallow the whole file.
+    fn next(&mut self) -> Result<Option<Row>, Error> {
         if let Some(first) = self.first.take() {
             return first;
         }
+        let (mut row, mut written, mut fields, mut size) = (Row::default(), 0, 0, 0);
         loop {
-            let more = self.reader.read_byte_record(&mut self.record);
-            self.reader.get_mut().since_row = 0;
-            match more {
-                Ok(true) => {}
-                Ok(false) => return Ok(false),
-                Err(error) => {
-                    let line = error.position().map(csv::Position::line);
-                    return Err(self.error((line.unwrap_or(self.line + 1), fault(&error))));
-                }
+            if self.at == self.text.len() {
+                let read = self.next_line();
+                read.map_err(|error| self.error((self.lines + 1, unreadable(&error))))?;
             }
-            // A record's own position is before the blank lines above it; the
-            // reader is at the line below it, and a quoted field may hold lines.
-            let below = self.reader.position().line();
-            let within = match std::mem::replace(&mut self.below, below) + 1 == below {
-                true => 0,
-                false => memchr_iter(b'\n', self.record.as_slice()).count(),
-            };
-            self.line = self.reader.get_ref().lines + below.saturating_sub(1 + within as u64);
-            if self.record.len() != 1 || !self.record[0].trim_ascii().is_empty() {
-                return Ok(true);
+            // Blank lines are no part of a row.
+            if written + fields == 0 {
+                (row.line, size) = (self.lines, 0);
+            }
+            let rest = &self.text[self.at..];
+            row.text.resize(written + rest.len(), 0);
+            row.ends.resize(fields + self.header.len() + 1, 0);
+            let (text, ends) = (&mut row.text[written..], &mut row.ends[fields..]);
+            let (result, read, more, count) = self.parser.read_record(rest, text, ends);
+            self.at += read;
+            size += read;
+            (written, fields) = (written + more, fields + count);
+            match result {
+                ReadRecordResult::End => return Ok(None),
+                ReadRecordResult::Record => {
+                    row.text.truncate(written);
+                    row.ends.truncate(fields);
+                    if fields != 1 || !row.text.trim_ascii().is_empty() {
+                        return Ok(Some(row));
+                    }
+                    (written, fields) = (0, 0);
+                }
+                _ if size > LONGEST_ROW => {
+                    let message = format!(
+                        "a row of more than {} MiB; is a quote left open, or is this no log?",
+                        LONGEST_ROW >> 20
+                    );
+                    return Err(self.error((row.line, message)));
+                }
+                _ => {}
             }
         }
     }
 
-    /// Rows for a batch, `most` of them at most; false at the end of the file.
-    fn batch(&mut self, most: usize) -> Result<bool, Error> {
-        self.batch.clear();
-        while self.batch.count < most && !self.batch.is_full() {
-            if !self.next()? {
+    /// Take the next line, or a piece of an endless one.
+    fn next_line(&mut self) -> io::Result<()> {
+        self.text.clear();
+        self.at = 0;
+        let mut piece = (&mut self.input).take(LONGEST_ROW as u64);
+        let n = piece.read_until(b'\n', &mut self.text)?;
+        self.bytes += n as u64;
+        self.lines += u64::from(n > 0);
+        if self.text.ends_with(b"\r\n") {
+            self.text.truncate(n - 2);
+            self.text.push(b'\n');
+        }
+        Ok(())
+    }
+
+    /// Take the next rows, `most` at most and some MiB of them; false at the end of the file.
+    fn take_rows(&mut self, most: usize) -> Result<bool, Error> {
+        self.rows.clear();
+        let mut bytes = 0;
+        while self.rows.len() < most && bytes < FULL {
+            let Some(row) = self.next()? else {
                 return Ok(false);
-            }
-            let (fields, expected) = (self.record.len(), self.header.len());
+            };
+            let (fields, expected) = (row.ends.len(), self.header.len());
             if fields != expected {
                 let message = format!(
                     "{fields} fields where the header has {expected}; the row is ragged or cut off"
                 );
-                return Err(self.error((self.line, message)));
+                return Err(self.error((row.line, message)));
             }
-            self.batch.push(&mut self.record, self.line);
+            // Columns may be many, and all of their fields empty.
+            bytes += row.text.len() + fields * size_of::<usize>();
+            self.rows.push(row);
         }
         Ok(true)
+    }
+
+    /// Append the rows that were taken to `raw`.
+    ///
+    /// # Errors
+    /// What is wrong with the first row that is not what the columns want.
+    fn parse(&mut self, columns: &Columns, raw: &mut Raw) -> Result<(), Error> {
+        let rows = &self.rows;
+        let part = rows.len().div_ceil(PARTS).max(1);
+        let parts = by_parts(0..rows.len(), part, |part| parse_rows(columns, &rows[part]));
+        for part in parts {
+            let (poses, numbers) = part.map_err(|fault| self.error(fault))?;
+            raw.pose.extend(poses);
+            raw.numbers.extend(numbers);
+        }
+        raw.line.extend(rows.iter().map(|row| row.line));
+        if let Some(k) = columns.support {
+            let names = rows.iter().filter_map(|row| Some(row.fields()?(k).trim()));
+            for name in names {
+                let link = repeated(raw.support.last(), name);
+                raw.support.push(link);
+            }
+        }
+        Ok(())
     }
 
     fn error(&self, (line, message): Fault) -> Error {
@@ -170,39 +239,50 @@ impl CsvSource {
 }
 
 impl RowSource for CsvSource {
-    fn is_text(&self) -> bool {
-        true
-    }
-
     fn header(&self) -> &[String] {
         &self.header
     }
 
-    fn names_line(&self) -> u64 {
-        self.names_line
+    fn names_line(&self) -> Option<u64> {
+        Some(self.names_line)
     }
 
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
         let mut left = count;
         while left > 0 {
-            let more = self.batch(left);
+            let more = self.take_rows(left);
             // What is wrong with a row above comes first.
-            let parsed = self.batch.parse(columns, &mut self.links, raw);
-            parsed.map_err(|fault| self.error(fault))?;
+            self.parse(columns, raw)?;
             if !more? {
                 break;
             }
-            left -= self.batch.count;
+            left -= self.rows.len();
         }
         Ok(())
     }
 
     // By the length of the rows so far; the row in which these bytes end is passed over, too.
     fn skip(&mut self, _: &Columns, rows: u64) -> Result<(), Error> {
-        let at = self.reader.position();
-        let length = at.byte() as f64 / at.line().max(1) as f64;
-        self.reader.get_mut().to_pass = (length * rows as f64) as u64;
-        Ok(())
+        let length = self.bytes as f64 / self.lines.max(1) as f64;
+        let mut left = (length * rows as f64) as usize;
+        let mut pass = || -> io::Result<()> {
+            while left > 0 {
+                let bytes = self.input.fill_buf()?;
+                let n = bytes.len().min(left);
+                self.lines += bytes[..n].iter().filter(|byte| **byte == b'\n').count() as u64;
+                self.bytes += n as u64;
+                self.input.consume(n);
+                left -= n;
+                if left == 0 || n == 0 {
+                    let rest = self.input.skip_until(b'\n')?;
+                    self.lines += u64::from(rest > 0);
+                    self.bytes += rest as u64;
+                    break;
+                }
+            }
+            Ok(())
+        };
+        pass().map_err(|error| self.error((self.lines + 1, unreadable(&error))))
     }
 
     fn progress(&self) -> (u64, Option<u64>) {
@@ -314,19 +394,8 @@ pub(crate) fn delimiter(head: &[u8], start: usize) -> Result<u8, String> {
     Ok(known[most])
 }
 
-/// A fault that the CSV parser found.
-fn fault(error: &csv::Error) -> String {
-    match error.kind() {
-        csv::ErrorKind::Utf8 { .. } => NO_TEXT.to_string(),
-        csv::ErrorKind::Io(error) => unreadable(error),
-        _ => error.to_string(),
-    }
-}
-
 fn unreadable(error: &io::Error) -> String {
     match error.kind() {
-        // Our own words.
-        io::ErrorKind::Other => error.to_string(),
         io::ErrorKind::UnexpectedEof => {
             "the file is cut off in its gzip packing; copy it again".to_string()
         }
@@ -338,185 +407,42 @@ fn unreadable(error: &io::Error) -> String {
 }
 
 /// A row longer than this is no posture, bytes.
-const LONGEST_ROW: u64 = 4 << 20;
-
-/// Input for the parser: lines end in `\n`, the last one too, and no row is
-/// endless, since an open quote could swallow the whole file.
-struct RowInput {
-    input: Box<dyn BufRead + Send>,
-    /// The line that is handed to the parser.
-    line: Cursor<Vec<u8>>,
-    /// Bytes that were handed to it since the last row.
-    since_row: u64,
-    /// Bytes to pass over once the line is given out, and the rest of the line that these end in.
-    to_pass: u64,
-    /// Lines that the parser does not see.
-    lines: u64,
-}
-
-impl RowInput {
-    fn pass(&mut self) -> io::Result<()> {
-        let mut left = usize::try_from(std::mem::take(&mut self.to_pass)).unwrap_or(usize::MAX);
-        while left > 0 {
-            let bytes = self.input.fill_buf()?;
-            let n = bytes.len().min(left);
-            self.lines += memchr_iter(b'\n', &bytes[..n]).count() as u64;
-            self.input.consume(n);
-            left -= n;
-            if left == 0 || n == 0 {
-                self.lines += u64::from(self.input.skip_until(b'\n')? > 0);
-                return Ok(());
-            }
-        }
-        Ok(())
-    }
-
-    fn next_line(&mut self) -> io::Result<()> {
-        self.pass()?;
-        self.line.set_position(0);
-        let line = self.line.get_mut();
-        line.clear();
-        let n = (&mut self.input)
-            .take(LONGEST_ROW)
-            .read_until(b'\n', line)?;
-        if line.ends_with(b"\r\n") {
-            line.truncate(n - 2);
-            line.push(b'\n');
-        } else if n > 0 && (n as u64) < LONGEST_ROW && !line.ends_with(b"\n") {
-            line.push(b'\n');
-        }
-        Ok(())
-    }
-}
-
-impl Read for RowInput {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if self.since_row > LONGEST_ROW {
-            return Err(io::Error::other(format!(
-                "a row of more than {} MiB; is a quote left open, or is this no log?",
-                LONGEST_ROW >> 20
-            )));
-        }
-        let mut n = self.line.read(buffer)?;
-        if n == 0 {
-            self.next_line()?;
-            n = self.line.read(buffer)?;
-        }
-        self.since_row += n as u64;
-        Ok(n)
-    }
-}
-
-/// Text and ends of fields after which a batch is full, bytes: it stays in the second cache.
+const LONGEST_ROW: usize = 4 << 20;
+/// Text and ends of fields that are taken at once, bytes: they stay in the second cache.
 const FULL: usize = 1 << 20;
-/// Parts of a batch. With fewer numbers a thread takes longer to start than it helps.
+/// Parts of them that become numbers side by side.
 const PARTS: usize = 4;
-const LEAST: usize = 16_384;
 
 const NO_TEXT: &str = "not text; is this a CSV file in UTF-8?";
-
-/// Rows as fields.
-#[derive(Default)]
-struct Batch {
-    /// Rows and their lines; those beyond `count` are room for others.
-    rows: Vec<(u64, ByteRecord)>,
-    count: usize,
-    bytes: usize,
-}
 
 /// What is wrong with a row, and its line.
 type Fault = (u64, String);
 
-impl Batch {
-    /// Forget all rows, and keep the room of those that are as long as a posture is.
-    fn clear(&mut self) {
-        self.rows.retain(|(_, row)| row.as_slice().len() < 16 << 10);
-        (self.count, self.bytes) = (0, 0);
-    }
-
-    fn is_full(&self) -> bool {
-        self.bytes >= FULL
-    }
-
-    /// Take a row, which stands at `line`.
-    fn push(&mut self, record: &mut ByteRecord, line: u64) {
-        // Columns may be many, and all of their fields empty.
-        self.bytes += record.as_slice().len() + record.len() * size_of::<usize>();
-        if self.count == self.rows.len() {
-            self.rows.push(Default::default());
-        }
-        let (own_line, own) = &mut self.rows[self.count];
-        *own_line = line;
-        std::mem::swap(own, record);
-        self.count += 1;
-    }
-
-    /// Append the rows to `raw`.
-    ///
-    /// # Errors
-    /// What is wrong with the first row that is not what the columns want.
-    fn parse(&self, columns: &Columns, links: &mut Interner, raw: &mut Raw) -> Result<(), Fault> {
-        let rows = &self.rows[..self.count];
-        let size = match rows.len() * columns.numbers.len() < LEAST {
-            true => rows.len(),
-            false => rows.len().div_ceil(PARTS),
-        };
-        for part in each_long(rows.chunks(size.max(1)), |rows| parse_rows(columns, rows)) {
-            let (poses, numbers) = part?;
-            raw.pose.extend(poses);
-            raw.numbers.extend(numbers);
-        }
-        raw.line.extend(rows.iter().map(|(line, _)| line));
-        if let Some(k) = columns.support {
-            let names = rows.iter().map(|(_, row)| str::from_utf8(&row[k]));
-            raw.support
-                .extend(names.map(|name| links.get(name.unwrap_or_default().trim())));
-        }
-        Ok(())
-    }
-}
-
 /// Poses and numbers of rows.
-fn parse_rows(
-    columns: &Columns,
-    rows: &[(u64, ByteRecord)],
-) -> Result<(Vec<i64>, Vec<f64>), Fault> {
+fn parse_rows(columns: &Columns, rows: &[Row]) -> Result<(Vec<i64>, Vec<f64>), Fault> {
     let mut poses = Vec::new();
     let mut numbers = Vec::with_capacity(rows.len() * columns.numbers.len());
-    for (line, row) in rows {
+    for row in rows {
         let mut parse = || -> Result<(), String> {
-            // Checked at once, and cut between characters all the same: delimiters are ASCII.
-            let text = str::from_utf8(row.as_slice()).map_err(|_| NO_TEXT)?;
-            let field = |k: usize| {
-                row.range(k)
-                    .and_then(|own| text.get(own))
-                    .unwrap_or_default()
-            };
+            let field = row.fields().ok_or(NO_TEXT)?;
             if let Some(k) = columns.pose {
-                poses.push(whole(field(k).trim())?);
+                poses.push(pose(field(k).trim())?);
             }
             for (&k, name) in columns.numbers.iter().zip(&columns.names) {
                 numbers.push(number(field(k), name)?);
             }
             Ok(())
         };
-        parse().map_err(|message| (*line, message))?;
+        parse().map_err(|message| (row.line, message))?;
     }
     Ok((poses, numbers))
 }
 
-fn whole(text: &str) -> Result<i64, String> {
-    if let Ok(number) = text.parse() {
-        return Ok(number);
-    }
-    // Programs write whole numbers as 3.0 or 3e0, too.
+/// A whole number; programs write it as 3.0 or 3e0, too.
+fn pose(text: &str) -> Result<i64, String> {
     match text.parse() {
-        _ if is_missing(text) => Ok(MISSING),
-        Ok(number) => super::source::whole(number),
-        Err(_) => Err(format!(
-            "column `{POSE}`: `{}` is no whole number",
-            short(text)
-        )),
+        Ok(number) => Ok(number),
+        Err(_) => whole(number(text, POSE)?),
     }
 }
 
@@ -547,16 +473,17 @@ fn number(text: &str, column: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::logs::input::Place;
+    use crate::logs::table::Shared;
 
     #[test]
     fn empty_fields_fill_a_batch() {
-        let empty = ByteRecord::from(vec![""; 20_000]);
-        let mut batch = Batch::default();
-        batch.clear();
-        while !batch.is_full() {
-            assert!(batch.count < 10);
-            batch.push(&mut empty.clone(), 2);
-        }
+        let row = ",".repeat(19_999) + "\n";
+        let place = Place::Bytes(Shared::new(format!("a{}", row.repeat(50))));
+        let input = Metered::open(&place, "f").unwrap();
+        let mut source = CsvSource::open("f", Vec::new(), input).unwrap();
+        assert!(source.take_rows(40).unwrap());
+        assert!(source.rows.len() < 10, "{}", source.rows.len());
     }
 
     #[test]

@@ -46,6 +46,9 @@ pub struct LogSource {
     was: Option<Stamp>,
 }
 
+/// Bytes of a pipe, at most.
+const LONGEST_PIPE: u64 = 1 << 29;
+
 /// Where the rows are.
 #[derive(Clone)]
 pub(super) enum Place {
@@ -135,15 +138,33 @@ impl LogSource {
         self
     }
 
-    /// The same log, which is refused from now on if its file is not what it is now: what
-    /// several readings say together is about one file.
+    /// The same log, as several readings see it: a pipe is read to its end now, into memory; a file
+    /// is refused from now on if it is not what it is now.
     ///
     /// # Errors
-    /// When the file cannot be opened.
+    /// When the file cannot be opened or read; a pipe of more than 512 MiB.
     #[doc(hidden)]
     pub fn unchanged(self) -> Result<LogSource, Error> {
-        let was = self.watched()?.map(|(_, stamp)| stamp);
-        Ok(LogSource { was, ..self })
+        match &self.place {
+            Place::File(path) if path.exists() && !path.is_file() && !path.is_dir() => {
+                let (sidecar, _) = self.sidecar()?;
+                let failed = |source| Error::read(self.name.clone(), source);
+                let mut bytes = Vec::new();
+                let pipe = File::open(path).map_err(failed)?.take(LONGEST_PIPE + 1);
+                { pipe }.read_to_end(&mut bytes).map_err(failed)?;
+                if bytes.len() as u64 > LONGEST_PIPE {
+                    let message =
+                        "a pipe of more than 512 MiB; write the log to a file, and give that";
+                    return Err(Error::log(self.name.clone(), None, message));
+                }
+                let log = LogSource::bytes(self.name, bytes).with_sidecar(sidecar);
+                Ok(log)
+            }
+            _ => {
+                let was = self.watched()?.map(|(_, stamp)| stamp);
+                Ok(LogSource { was, ..self })
+            }
+        }
     }
 
     /// The file, where the log is a regular one, and its stamp before it is read.
@@ -168,16 +189,6 @@ impl LogSource {
             Place::File(path) => path.metadata().is_ok_and(|about| about.is_file()),
             Place::Bytes(_) | Place::Stream(_) | Place::Table(_) => true,
         }
-    }
-
-    /// Whether two may read it at the same time: a stream is opened as its owner likes.
-    pub(crate) fn can_be_read_twice_at_once(&self) -> bool {
-        !matches!(self.place, Place::Stream(_)) && self.can_be_read_again()
-    }
-
-    /// Whether something is left out of it.
-    pub(crate) fn is_screened(&self) -> bool {
-        self.screen.is_some()
     }
 
     /// What messages call the log.
@@ -319,6 +330,16 @@ impl Read for Metered {
         *done += n as u64;
         hash.write(&buffer[..n]);
         Ok(n)
+    }
+}
+
+/// Leaves nothing out, also no rows without load on the foot cells.
+#[derive(Debug)]
+pub(super) struct AllRows;
+
+impl Screen for AllRows {
+    fn start(&self) -> Screening {
+        Box::new(|_| {})
     }
 }
 

@@ -6,7 +6,7 @@
 //!
 //! settings, columns, names   what options, a sidecar and names of columns say of a log
 //! bounds, suspect            what a value can be; what a whole log looks like it got wrong
-//! writer                     logs, predictions and recordings
+//! writer                     logs and predictions
 //! ```
 //!
 //! [`PostureReader`] gives a log of any [`LogSource`] in blocks of columns, so that a
@@ -29,6 +29,7 @@ pub(crate) mod names;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod reader;
+mod samples;
 mod settings;
 mod source;
 mod stillness;
@@ -43,8 +44,6 @@ pub use block::{Block, Cells};
 #[doc(hidden)]
 pub use block::{Frame, Soles};
 pub(crate) use bounds::LEAST_LOAD_N;
-#[doc(hidden)]
-pub use columns::columns_text;
 pub use columns::{COLUMNS, Column, Need, Row, Written};
 pub(crate) use csv::delimiter;
 pub use input::LogSource;
@@ -52,12 +51,11 @@ pub use input::LogSource;
 pub use input::{Screen, Screening};
 pub(crate) use reader::joints;
 pub use reader::{PostureReader, Summary, column_names};
+pub(crate) use samples::{ROOM, Rows, Samples};
 #[doc(hidden)]
 pub use settings::KEYS as SIDECAR_KEYS;
-pub use settings::{Angles, Options, Readings, Sidecar, Stays, StillnessLimits};
+pub use settings::{Angles, Options, Readings, Sidecar, Stays};
 #[doc(hidden)]
 pub use source::panic_becomes_error;
 pub use table::{Table, Values};
-pub use writer::{PREDICTED, PostureWriter, PredictionWriter};
-#[doc(hidden)]
-pub use writer::{Recording, Track, TrackKind};
+pub use writer::{PREDICTED, PostureWriter};

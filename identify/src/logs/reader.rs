@@ -4,6 +4,7 @@
 //! source ─▶ chunk of rows ─▶ assembler ─▶ stays ─▶ screen ─▶ block
 //! ```
 
+use std::f64::consts::PI;
 use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
@@ -17,12 +18,16 @@ use super::block::{Block, Standing};
 use super::columns::{Columns, named, no_names};
 use super::csv::CsvSource;
 use super::input::{LogSource, Metered, Place, Screening};
+#[cfg(feature = "mcap")]
+use super::mcap::McapSource;
 use super::names;
-use super::settings::{Angles, Options, Sidecar, Stays, StillnessLimits};
+#[cfg(feature = "parquet")]
+use super::parquet::ParquetSource;
+use super::settings::{Angles, Options, Sidecar, Stays};
 use super::source::{Raw, RowSource};
 use super::stillness::Settling;
 use super::suspect::Suspicions;
-use super::table::{Shared, TableSource};
+use super::table::TableSource;
 use crate::{Error, Message};
 
 /// Rows taken from the file at once, and looked at before the first is given out.
@@ -47,7 +52,6 @@ pub struct Summary {
 /// the log is; each format adds a bounded buffer of its own.
 pub struct PostureReader {
     source: Box<dyn RowSource>,
-    columns: Columns,
     /// What brings each column to SI units.
     factors: Vec<f64>,
     assembler: Assembler,
@@ -63,18 +67,13 @@ pub struct PostureReader {
     concluded: bool,
     last_pose: Option<i64>,
     settling: Option<Settling>,
-    stays: Stays,
-    file: String,
-    /// Joints of a row.
-    pub(crate) dof: usize,
     /// The file, where it is a regular one, and its stamp before anything was read.
     watched: Option<(std::fs::File, Stamp)>,
     screen: Option<Screening>,
     /// The two links that stand, in a recording of both contacts.
     standing: Option<Standing>,
-    rows: u64,
-    postures: u64,
-    times: Option<[f64; 2]>,
+    /// Of the rows so far, without the hash.
+    summary: Summary,
     /// What the log's sidecar says.
     pub sidecar: Sidecar,
     /// What is odd about the log so far, complete after the last block.
@@ -116,9 +115,13 @@ impl PostureReader {
         let file = log.name().to_string();
         let watched = log.watched()?;
         let mut source = open_source(&log, dofs, options, &sidecar)?;
-        let misnamed = misnamed(&log, &*source);
-        let at = Some(source.names_line());
-        let bad = |message: Message| Error::log(&file, at, message.after(misnamed));
+        let line = source.names_line();
+        let at = line.or(Some(1));
+        let promised = promised(&file).filter(|format| *format != PACKED && line.is_some());
+        let misnamed = promised.map_or(String::new(), |format| {
+            format!("not {format} but text, which is read as CSV: ")
+        });
+        let bad = |message: Message| Error::log(&file, at, message.after(&misnamed));
         let header = sidecar
             .renamed(source.header())
             .map_err(|said| bad(said.into()))?;
@@ -144,17 +147,13 @@ impl PostureReader {
         }
         let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
         // Degrees that a name says need no other word for it.
-        let own = |k: usize, factor: f64| match columns.joints.contains(&k) && factor != 1.0 {
-            true if angles == Angles::Deg => factor.to_degrees(),
-            _ => factor,
+        let in_degrees =
+            |k: usize| angles == Angles::Deg && columns.joints.contains(&k) && !dofs[k].prismatic;
+        let factor = |(k, column): (usize, &usize)| match named.factors[*column] {
+            1.0 if in_degrees(k) => PI / 180.0,
+            factor => factor,
         };
-        let factors = columns.numbers.iter().map(|column| named.factors[*column]);
-        let factors = factors
-            .enumerate()
-            .map(|(k, factor)| own(k, factor))
-            .collect();
-        let mut assembler = Assembler::new(&file, &columns, dofs, angles, &sidecar, options)?;
-        assembler.no_load = log.screen.is_some();
+        let factors = columns.numbers.iter().enumerate().map(factor).collect();
         let soles = options.soles.clone().zip(source.both());
         let standing = soles.map(|(soles, links)| Standing { soles, links });
         if let Some(Standing { links, .. }) = &standing {
@@ -170,10 +169,11 @@ impl PostureReader {
             Stays::Pooled if timed && columns.pose.is_none() => Some(Settling::new(dofs.len())),
             _ => None,
         };
+        let mut assembler = Assembler::new(&file, columns, dofs, &sidecar, options)?;
+        assembler.no_load = log.screen.is_some();
         Ok(PostureReader {
             suspicions: Suspicions::new(&file, dofs, angles),
             source,
-            columns,
             factors,
             assembler,
             raw: Raw::default(),
@@ -184,15 +184,15 @@ impl PostureReader {
             concluded: false,
             last_pose: None,
             settling,
-            stays: options.stays,
-            file,
-            dof: dofs.len(),
             watched,
             screen: log.screen.as_ref().map(|screen| screen.start()),
             standing,
-            rows: 0,
-            postures: 0,
-            times: None,
+            summary: Summary {
+                hash: String::new(),
+                rows: 0,
+                postures: 0,
+                times: None,
+            },
             sidecar,
             warnings,
         })
@@ -211,7 +211,7 @@ impl PostureReader {
             && let Some((file, stamp)) = &self.watched
         {
             let unchanged = stamp.check(file);
-            unchanged.map_err(|source| Error::read(&self.file, source))?;
+            unchanged.map_err(|source| Error::read(&self.assembler.file, source))?;
         }
         read
     }
@@ -221,10 +221,8 @@ impl PostureReader {
             let mut block = self.settled(count)?;
             let ended = block.is_empty();
             for pose in &block.pose {
-                if self.last_pose != Some(*pose) {
-                    self.postures += 1;
-                }
-                self.last_pose = Some(*pose);
+                let last = self.last_pose.replace(*pose);
+                self.summary.postures += u64::from(last != Some(*pose));
             }
             if let Some(screen) = &mut self.screen {
                 screen(&mut block);
@@ -238,36 +236,25 @@ impl PostureReader {
 
     /// The next rows, where stays count those of which it is known whether they are of one.
     fn settled(&mut self, count: usize) -> Result<Block, Error> {
-        loop {
-            let Some(settling) = &mut self.settling else {
-                return self.rows(count);
-            };
-            let count = count.max(1);
-            let at_end = settling.ended;
-            if at_end || settling.decided() >= count {
-                let block = settling.take(count);
+        while let Some(settling) = &mut self.settling {
+            if let Some(block) = settling.take() {
                 if !block.is_empty() {
                     return Ok(block);
                 }
-                if at_end && settling.decided() == 0 {
-                    // Of a log of which stays alone were asked for, and which has none.
-                    return match (settling.stays, self.stays) {
-                        (0, Stays::Alone(duration)) => {
-                            let said = StillnessLimits::lasting(duration).nothing();
-                            Err(Error::log(&self.file, None, said))
-                        }
-                        _ => Ok(block),
-                    };
+            } else if settling.ended {
+                let found = settling.check();
+                found.map_err(|said| self.assembler.fault(None, said))?;
+                return Ok(Block::default());
+            } else {
+                let block = self.rows(count)?;
+                match &mut self.settling {
+                    Some(settling) if block.is_empty() => settling.end(),
+                    Some(settling) => settling.push(block),
+                    None => return Ok(block),
                 }
-                continue;
-            }
-            let block = self.rows(count)?;
-            match (&mut self.settling, block.is_empty()) {
-                (Some(settling), true) => settling.end(),
-                (Some(settling), false) => settling.push(block),
-                _ => return Ok(block),
             }
         }
+        self.rows(count)
     }
 
     /// Pass over about `rows` rows without a look at them, and take `then` at once from there on;
@@ -282,7 +269,7 @@ impl PostureReader {
         if self.ended {
             return Ok(false);
         }
-        self.source.skip(&self.columns, beyond)?;
+        self.source.skip(&self.assembler.columns, beyond)?;
         self.given = self.raw.line.len();
         self.chunk = then.max(1);
         Ok(true)
@@ -290,7 +277,7 @@ impl PostureReader {
 
     /// Rows that were taken from the file so far, those that were passed over not among them.
     pub(crate) fn taken(&self) -> u64 {
-        self.rows + (self.raw.line.len() - self.given) as u64
+        self.summary.rows + (self.raw.line.len() - self.given) as u64
     }
 
     /// What the first row of a log that is read no further stands on; without a column of its
@@ -327,14 +314,17 @@ impl PostureReader {
             }
             self.given = end;
         }
-        self.rows += block.len() as u64;
-        let known = block.t.iter().flatten().copied().filter(|t| t.is_finite());
-        let ends = self.times.into_iter().chain(known.map(|t| [t, t]));
-        self.times = ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        let summary = &mut self.summary;
+        summary.rows += block.len() as u64;
+        for &t in block.t.iter().flatten() {
+            let [first, last] = summary.times.get_or_insert([t; 2]);
+            (*first, *last) = (first.min(t), last.max(t));
+        }
         self.suspicions.see(&block);
         if block.len() < count && !std::mem::replace(&mut self.concluded, true) {
             self.warnings.extend(self.suspicions.judge());
-            self.assembler.conclude(self.rows, &mut self.warnings)?;
+            let said = self.assembler.conclude(self.summary.rows)?;
+            self.warnings.extend(said);
         }
         Ok(block)
     }
@@ -345,7 +335,9 @@ impl PostureReader {
         self.raw.clear();
         self.given = 0;
         if !self.ended {
-            let filled = self.source.fill(&self.columns, self.chunk, &mut self.raw);
+            let filled = self
+                .source
+                .fill(&self.assembler.columns, self.chunk, &mut self.raw);
             if let Err(error) = filled {
                 // A faulty row is the end.
                 self.raw.clear();
@@ -362,9 +354,8 @@ impl PostureReader {
                 return Err(self.assembler.fault(None, "no postures below the header"));
             }
             self.assembler.look(&mut self.raw)?;
-            if !self.assembler.is_timed() {
-                self.settling = None;
-            }
+            self.settling
+                .take_if(|_| self.assembler.columns.t.is_none());
         }
         Ok(!self.raw.line.is_empty())
     }
@@ -380,7 +371,7 @@ impl PostureReader {
 
     /// Names of columns that mean nothing to a robot of these joints.
     pub(crate) fn unknown_columns(&self) -> &[String] {
-        &self.columns.ignored
+        &self.assembler.columns.ignored
     }
 
     /// What averaging took off the variance of a single reading, as a part of it, once a
@@ -399,9 +390,7 @@ impl PostureReader {
     pub fn summary(&self) -> Option<Summary> {
         self.ended.then(|| Summary {
             hash: format!("{:016x}", self.source.hash()),
-            rows: self.rows,
-            postures: self.postures,
-            times: self.times,
+            ..self.summary.clone()
         })
     }
 }
@@ -456,18 +445,36 @@ fn open_source(
     let begun = (&mut input).take(8).read_to_end(&mut head);
     begun.map_err(failed)?;
     if head.starts_with(b"PAR1") || head.starts_with(b"PARE") {
-        return match place {
+        #[cfg(not(feature = "parquet"))]
+        return Err(Error::without("parquet", "Parquet", file));
+        #[cfg(feature = "parquet")]
+        return Ok(Box::new(match place {
             // What its columns are stands at the end.
             Place::Stream(_) => {
                 let mut bytes = head;
                 input.read_to_end(&mut bytes).map_err(failed)?;
-                open_parquet(&Place::Bytes(Shared::new(bytes)), file)
+                ParquetSource::open(&Place::Bytes(super::table::Shared::new(bytes)), file)?
             }
-            _ => open_parquet(place, file),
-        };
+            _ => ParquetSource::open(place, file)?,
+        }));
     }
     if head.starts_with(b"\x89MCAP") {
-        return open_mcap(place, file, dofs, options, sidecar);
+        #[cfg(not(feature = "mcap"))]
+        let _ = (dofs, options, sidecar);
+        #[cfg(not(feature = "mcap"))]
+        return Err(Error::without("mcap", "MCAP", file));
+        #[cfg(feature = "mcap")]
+        return Ok(Box::new(McapSource::open(
+            place,
+            file,
+            dofs,
+            &Options {
+                support: options.support.clone().or_else(|| sidecar.support.clone()),
+                both_feet: options.both_feet.or(sidecar.both_feet),
+                ..options.clone()
+            },
+            [&sidecar.topic, &sidecar.joints_topic].map(Option::as_deref),
+        )?));
     }
     if let Some(message) = foreign(file, &head).or_else(|| damaged_from_the_start(file, &head)) {
         return Err(wrong(message));
@@ -475,84 +482,36 @@ fn open_source(
     Ok(Box::new(CsvSource::open(file, head, input)?))
 }
 
-/// What is said before a complaint about columns of a file that its name promises to be of
-/// another format than text.
-fn misnamed(log: &LogSource, source: &dyn RowSource) -> &'static str {
-    match ending(log.name()).as_deref().filter(|_| source.is_text()) {
-        Some("parquet") => "not a Parquet file but text, which is read as CSV: ",
-        Some("mcap") => "not an MCAP recording but text, which is read as CSV: ",
-        _ => "",
+/// The format that the name of a file promises, if it is another one than text.
+fn promised(file: &str) -> Option<&'static str> {
+    let end = Path::new(file).extension()?.to_str()?;
+    match end.to_ascii_lowercase().as_str() {
+        "parquet" => Some("a Parquet file"),
+        "mcap" => Some("an MCAP recording"),
+        "gz" => Some(PACKED),
+        _ => None,
     }
 }
-
-/// What the name of a file ends in, in small letters.
-fn ending(file: &str) -> Option<String> {
-    let end = Path::new(file).extension()?.to_str()?;
-    Some(end.to_ascii_lowercase())
-}
+const PACKED: &str = "packed with gzip";
 
 /// What is wrong with a file that by its name is no CSV, and by its first bytes no text.
 fn damaged_from_the_start(file: &str, head: &[u8]) -> Option<String> {
-    let format = match ending(file)?.as_str() {
-        "parquet" => "a Parquet file",
-        "mcap" => "an MCAP recording",
-        "gz" if !head.starts_with(b"\x1f\x8b") => "packed with gzip",
-        _ => return None,
-    };
+    let format = promised(file)?;
     // Text of any name is read as CSV.
-    let text = head.utf8_chunks().next().is_some_and(|chunk| {
+    let is_text = head.utf8_chunks().next().is_some_and(|chunk| {
         // The last character may be cut by the eight bytes looked at.
         !chunk.valid().is_empty() && !chunk.valid().contains('\0') && chunk.invalid().is_empty()
     });
-    (!text).then(|| match head.is_empty() {
+    if is_text || (format == PACKED && head.starts_with(b"\x1f\x8b")) {
+        return None;
+    }
+    Some(match head.is_empty() {
         true => "empty; copy it again".to_string(),
         false => format!(
             "by its name {format}, but it does not start like one: damaged, or of another format; \
              copy it again, or rename it"
         ),
     })
-}
-
-#[cfg(feature = "parquet")]
-fn open_parquet(place: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
-    Ok(Box::new(super::parquet::ParquetSource::open(place, file)?))
-}
-
-#[cfg(not(feature = "parquet"))]
-fn open_parquet(_: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
-    Err(Error::without("parquet", "Parquet", file))
-}
-
-#[cfg(feature = "mcap")]
-fn open_mcap(
-    place: &Place,
-    file: &str,
-    dofs: &[Dof],
-    options: &Options,
-    sidecar: &Sidecar,
-) -> Result<Box<dyn RowSource>, Error> {
-    let topic = options.topic.as_deref().or(sidecar.topic.as_deref());
-    let topics = (topic, sidecar.joints_topic.as_deref());
-    let mut options = options.clone();
-    options.support = options.support.or_else(|| sidecar.support.clone());
-    options.both_feet = options.both_feet.or(sidecar.both_feet);
-    if let Stays::Alone(duration) = options.stays {
-        options.stillness.duration = duration;
-    }
-    let options = &options;
-    let source = super::mcap::McapSource::open(place, file, dofs, options, topics)?;
-    Ok(Box::new(source))
-}
-
-#[cfg(not(feature = "mcap"))]
-fn open_mcap(
-    _: &Place,
-    file: &str,
-    _: &[Dof],
-    _: &Options,
-    _: &Sidecar,
-) -> Result<Box<dyn RowSource>, Error> {
-    Err(Error::without("mcap", "MCAP", file))
 }
 
 /// First bytes of files that are not read, what they are, and what makes a log of them; `@` stands

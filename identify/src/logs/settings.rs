@@ -38,13 +38,8 @@ pub struct Options {
     pub links: Vec<String>,
     /// Link on the ground in rows that do not say; the sidecar's unless given.
     pub support: Option<String>,
-    /// Which stretches of an MCAP recording are postures.
-    pub stillness: StillnessLimits,
     /// What becomes of rows in which the robot holds still.
     pub stays: Stays,
-    /// Topic of the CoP in an MCAP recording that has several; the sidecar's
-    /// unless given.
-    pub topic: Option<String>,
     /// Take angles and CoP of any size: which unit they are in is the question.
     pub any_unit: bool,
     /// Where the robot's soles are: with it an MCAP recording of two loaded contacts is one of
@@ -129,38 +124,25 @@ impl Stays {
     }
 }
 
-/// When a robot that is being recorded holds still.
-///
-/// A posture is a stretch in which every joint is slower than `speed` for at
-/// least `duration`. Prismatic joints count m for rad.
+/// When a robot that is being recorded holds still: every joint is slower than `speed`, rad/s or
+/// m/s, for at least `duration`, s.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StillnessLimits {
-    /// rad/s
+pub(super) struct StillnessLimits {
     pub speed: f64,
-    /// s
     pub duration: f64,
-}
-
-impl Default for StillnessLimits {
-    fn default() -> StillnessLimits {
-        StillnessLimits {
-            speed: 0.02,
-            duration: 0.3,
-        }
-    }
 }
 
 impl StillnessLimits {
     /// Stretches of at least so many seconds.
-    pub(super) fn lasting(duration: f64) -> StillnessLimits {
+    pub fn lasting(duration: f64) -> StillnessLimits {
         StillnessLimits {
+            speed: 0.02,
             duration,
-            ..StillnessLimits::default()
         }
     }
 
     /// What is said of a log in which nothing is held.
-    pub(super) fn nothing(self) -> String {
+    pub fn nothing(self) -> String {
         format!(
             "no posture is held: no stretch of {} s in which every joint stays below {} rad/s",
             self.duration, self.speed

@@ -1,7 +1,6 @@
 //! What every format delivers: rows of numbers as they stand in the file.
 
 use std::cell::Cell;
-use std::collections::HashSet;
 #[cfg(feature = "parquet")]
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Arc;
@@ -46,9 +45,9 @@ pub(super) trait RowSource: Send {
     /// Names of the columns, without blanks around them.
     fn header(&self) -> &[String];
 
-    /// The line or row of these names.
-    fn names_line(&self) -> u64 {
-        1
+    /// The line of these names in a text, whatever its name says.
+    fn names_line(&self) -> Option<u64> {
+        None
     }
 
     /// Append up to `count` rows to `raw`; fewer only at the end of the file.
@@ -67,11 +66,6 @@ pub(super) trait RowSource: Send {
         None
     }
 
-    /// Whether it is text, whatever its name says.
-    fn is_text(&self) -> bool {
-        false
-    }
-
     /// How much was read, and of how much if that is known: bytes or rows.
     fn progress(&self) -> (u64, Option<u64>);
 
@@ -84,21 +78,11 @@ pub(super) trait RowSource: Send {
     fn hash(&self) -> u64;
 }
 
-/// Repeated texts, each kept once.
-#[derive(Debug, Default)]
-pub(super) struct Interner(HashSet<Arc<str>>);
-
-impl Interner {
-    pub fn get(&mut self, text: &str) -> Arc<str> {
-        if let Some(known) = self.0.get(text) {
-            return known.clone();
-        }
-        let new: Arc<str> = text.into();
-        // A log that names more than this names no links.
-        if self.0.len() < 10_000 {
-            self.0.insert(new.clone());
-        }
-        new
+/// A text, kept once where it is that of the row above.
+pub(super) fn repeated(above: Option<&Arc<str>>, text: &str) -> Arc<str> {
+    match above {
+        Some(own) if **own == *text => own.clone(),
+        _ => text.into(),
     }
 }
 
@@ -156,7 +140,8 @@ mod tests {
 
     #[test]
     fn equal_texts_are_kept_once() {
-        let mut interner = Interner::default();
-        assert!(Arc::ptr_eq(&interner.get("a"), &interner.get("a")));
+        let first = repeated(None, "a");
+        assert!(Arc::ptr_eq(&first, &repeated(Some(&first), "a")));
+        assert_eq!(&*repeated(Some(&first), "b"), "b");
     }
 }

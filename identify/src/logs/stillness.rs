@@ -14,12 +14,14 @@
 //! Rows wait until their stretch has ended, which the cutter ends after a bounded number of rows.
 //! The others are of no stay: each is a posture of its own, or is left out.
 
+use std::collections::VecDeque;
+
 use super::block::Block;
 use super::settings::StillnessLimits;
 
 /// Readings of one posture that are given out together; a longer posture is
 /// given out in parts, each with its own mean of the joints.
-const MOST: usize = 65_536;
+pub(super) const MOST: usize = 65_536;
 
 /// A posture, or a part of a long one.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +36,7 @@ pub(super) struct Posture<R> {
 
 /// Cuts a stream of joint states and readings of kind `R` into postures.
 pub(super) struct StillnessCutter<R> {
-    stillness: StillnessLimits,
+    pub stillness: StillnessLimits,
     now: Option<Current<R>>,
     next_pose: i64,
 }
@@ -52,8 +54,6 @@ struct Current<R> {
     readings: Vec<R>,
     /// Readings before the last state in which the robot was seen to hold still.
     confirmed: usize,
-    /// It is a posture however short it is held, and all its readings count.
-    whole: bool,
 }
 
 impl<R> StillnessCutter<R> {
@@ -82,16 +82,7 @@ impl<R> StillnessCutter<R> {
             }
         }
         let ended = self.end();
-        self.now = (slow && t.is_finite()).then(|| Current::begun(self.next_pose, t, q, false));
-        ended
-    }
-
-    /// All joints at time `t` (s), as a posture of its own, of which every reading up to the next one
-    /// is; gives back the posture that ended.
-    #[cfg(any(test, feature = "mcap"))]
-    pub fn posture(&mut self, t: f64, q: &[f64]) -> Option<Posture<R>> {
-        let ended = self.end();
-        self.now = Some(Current::begun(self.next_pose, t, q, true));
+        self.now = (slow && t.is_finite()).then(|| Current::begun(self.next_pose, t, q));
         ended
     }
 
@@ -115,9 +106,6 @@ impl<R> StillnessCutter<R> {
     pub fn reading(&mut self, reading: R) -> Option<Posture<R>> {
         let now = self.now.as_mut()?;
         now.readings.push(reading);
-        if now.whole {
-            now.confirmed = now.readings.len();
-        }
         if now.readings.len() < MOST {
             return None;
         }
@@ -142,7 +130,7 @@ impl<R> StillnessCutter<R> {
 }
 
 impl<R> Current<R> {
-    fn begun(pose: i64, t: f64, q: &[f64], whole: bool) -> Current<R> {
+    fn begun(pose: i64, t: f64, q: &[f64]) -> Current<R> {
         let mut now = Current {
             pose,
             start: t,
@@ -153,7 +141,6 @@ impl<R> Current<R> {
             reference_t: t,
             readings: Vec::new(),
             confirmed: 0,
-            whole,
         };
         now.see(t, q);
         now
@@ -161,7 +148,7 @@ impl<R> Current<R> {
 
     /// Whether it was held for so long that it is a posture.
     fn is_held(&self, stillness: StillnessLimits) -> bool {
-        self.whole || self.last - self.start >= stillness.duration
+        self.last - self.start >= stillness.duration
     }
 
     fn see(&mut self, t: f64, q: &[f64]) {
@@ -202,18 +189,17 @@ const STAYED: StillnessLimits = StillnessLimits {
 pub(super) struct Settling {
     dof: usize,
     cutter: StillnessCutter<usize>,
-    /// Leave out rows of no stay.
-    alone: bool,
-    waiting: Block,
-    /// Whether each of these is of a stay.
-    held: Vec<bool>,
-    /// Numbers of the first that waits and of the next to come.
+    /// Leave out rows of no stay, which lasts so many seconds.
+    alone: Option<f64>,
+    /// Blocks that wait, each with whether its rows are of a stay.
+    waiting: VecDeque<(Block, Vec<bool>)>,
+    /// Numbers of the first row that waits and of the next to come.
     first: usize,
     next: usize,
     /// The stay of the last posture that was found, and the `pose` of its rows.
     last: Option<(i64, i64)>,
     /// Stays so far.
-    pub stays: usize,
+    stays: usize,
     /// Whether the log has ended.
     pub ended: bool,
 }
@@ -224,9 +210,8 @@ impl Settling {
         Settling {
             dof,
             cutter: StillnessCutter::new(STAYED),
-            alone: false,
-            waiting: Block::default(),
-            held: Vec::new(),
+            alone: None,
+            waiting: VecDeque::new(),
             first: 0,
             next: 0,
             last: None,
@@ -239,22 +224,19 @@ impl Settling {
     pub fn alone(duration: f64, dof: usize) -> Settling {
         Settling {
             cutter: StillnessCutter::new(StillnessLimits::lasting(duration)),
-            alone: true,
+            alone: Some(duration),
             ..Settling::new(dof)
         }
     }
 
     /// The next rows of the log.
     pub fn push(&mut self, block: Block) {
-        let (from, dof) = (self.first, self.dof);
-        self.held.resize(self.held.len() + block.len(), false);
         let rows = block.len();
-        self.waiting.append(block);
-        for _ in 0..rows {
-            let at = self.next - from;
-            let t = self.waiting.t.as_ref().map_or(0.0, |all| all[at]);
-            let q = &self.waiting.q[at * dof..(at + 1) * dof];
-            let ended = self.cutter.row(t, q, self.next);
+        let t = block.t.clone().unwrap_or_default();
+        let q = block.q.clone();
+        self.waiting.push_back((block, vec![false; rows]));
+        for (t, q) in t.iter().zip(q.chunks_exact(self.dof)) {
+            let ended = self.cutter.row(*t, q, self.next);
             self.next += 1;
             self.keep(ended);
         }
@@ -267,44 +249,52 @@ impl Settling {
         self.ended = true;
     }
 
-    /// Rows whose posture is known.
-    pub fn decided(&self) -> usize {
+    /// The next block, once it is known of each of its rows whether it is of a stay.
+    pub fn take(&mut self) -> Option<Block> {
         let open = self.cutter.first().filter(|_| !self.ended);
-        open.copied().unwrap_or(self.next) - self.first
-    }
-
-    /// `count` of those at most.
-    pub fn take(&mut self, count: usize) -> Block {
-        let count = count.min(self.decided());
-        let mut block = self.waiting.split_first(count);
-        let held: Vec<bool> = self.held.drain(..count).collect();
-        self.first += count;
-        if self.alone {
+        let decided = open.copied().unwrap_or(self.next) - self.first;
+        let ready = |(block, _): &(Block, Vec<bool>)| block.len() <= decided;
+        self.waiting.front().filter(|own| ready(own))?;
+        let (mut block, held) = self.waiting.pop_front()?;
+        self.first += block.len();
+        if self.alone.is_some() {
             block.retain(&held);
         }
-        block
+        Some(block)
+    }
+
+    /// Whether there is a stay, where stays alone were asked for.
+    ///
+    /// # Errors
+    /// What is said of a log without.
+    pub fn check(&self) -> Result<(), String> {
+        match self.alone.filter(|_| self.stays == 0) {
+            Some(duration) => Err(StillnessLimits::lasting(duration).nothing()),
+            None => Ok(()),
+        }
     }
 
     fn keep(&mut self, posture: Option<Posture<usize>>) {
         let Some(posture) = posture else {
             return;
         };
-        let Some(first) = posture.readings.first().map(|row| row - self.first) else {
-            return;
-        };
         let known = self.last.filter(|(stay, _)| *stay == posture.pose);
-        let (_, pose) = known.unwrap_or((0, self.waiting.pose[first]));
         self.stays += usize::from(known.is_none());
-        self.last = Some((posture.pose, pose));
-        for row in posture.readings {
-            let at = row - self.first;
-            self.waiting.pose[at] = pose;
-            self.held[at] = true;
-            if self.alone {
-                let q = &mut self.waiting.q[at * self.dof..(at + 1) * self.dof];
-                q.copy_from_slice(&posture.q);
+        let mut pose = known.map(|(_, pose)| pose);
+        let (mut rows, mut start) = (posture.readings.iter().peekable(), self.first);
+        for (block, held) in &mut self.waiting {
+            let end = start + held.len();
+            while let Some(row) = rows.next_if(|row| **row < end) {
+                let at = row - start;
+                block.pose[at] = *pose.get_or_insert(block.pose[at]);
+                held[at] = true;
+                if self.alone.is_some() {
+                    block.q[at * self.dof..(at + 1) * self.dof].copy_from_slice(&posture.q);
+                }
             }
+            start = end;
         }
+        self.last = pose.map(|pose| (posture.pose, pose));
     }
 }
 
@@ -314,7 +304,7 @@ mod tests {
 
     /// Postures of one joint that is recorded every 10 ms, with a reading each.
     fn postures(angle: impl Fn(f64) -> f64, speed: f64) -> Vec<Posture<f64>> {
-        let mut cutter = StillnessCutter::new(StillnessLimits::default());
+        let mut cutter = StillnessCutter::new(StillnessLimits::lasting(0.3));
         let mut found = Vec::new();
         for k in 0..300 {
             let t = f64::from(k) * 0.01;
@@ -351,21 +341,8 @@ mod tests {
     }
 
     #[test]
-    fn a_posture_of_its_own_is_one_however_short_and_alike_it_is() {
-        let mut cutter = StillnessCutter::new(StillnessLimits::default());
-        let mut found = Vec::new();
-        for k in 0..3 {
-            found.extend(cutter.posture(0.01 * f64::from(k), &[0.5]));
-            found.extend(cutter.reading(k));
-        }
-        found.extend(cutter.end());
-        let said: Vec<_> = found.into_iter().map(|p| (p.pose, p.readings)).collect();
-        assert_eq!(said, [(0, vec![0]), (1, vec![1]), (2, vec![2])]);
-    }
-
-    #[test]
     fn a_long_posture_is_given_out_in_parts_of_one_pose() {
-        let mut cutter = StillnessCutter::new(StillnessLimits::default());
+        let mut cutter = StillnessCutter::new(StillnessLimits::lasting(0.3));
         let (mut found, mut readings) = (Vec::new(), 0);
         for k in 0..2 * MOST {
             found.extend(cutter.state(k as f64 * 0.01, &[0.5], 0.0));
@@ -392,14 +369,25 @@ mod tests {
         }
     }
 
-    fn through(mut settling: Settling, log: Block, size: usize) -> Block {
-        let (mut log, mut all) = (log, Block::default());
-        while !log.is_empty() {
-            settling.push(log.split_first(size));
-            all.append(settling.take(usize::MAX));
+    /// What comes of a log that is given in blocks of a size.
+    fn through(mut settling: Settling, log: &Block, size: usize) -> Block {
+        let (mut all, mut blocks) = (Block::default(), Vec::new());
+        for start in (0..log.len()).step_by(size) {
+            let mut block = log.clone();
+            let rows = 0..log.len();
+            let keep: Vec<bool> = rows.map(|k| (start..start + size).contains(&k)).collect();
+            block.retain(&keep);
+            settling.push(block);
+            blocks.extend(std::iter::from_fn(|| settling.take()));
         }
         settling.end();
-        all.append(settling.take(usize::MAX));
+        blocks.extend(std::iter::from_fn(|| settling.take()));
+        for block in blocks {
+            all.line.extend(block.line);
+            all.pose.extend(block.pose);
+            all.q.extend(block.q);
+            all.t.get_or_insert_default().extend(block.t.unwrap());
+        }
         all
     }
 
@@ -415,7 +403,7 @@ mod tests {
     #[test]
     fn rows_of_a_stay_share_its_pose_whatever_the_blocks() {
         for size in [1, 7, 64, 1000] {
-            let found = through(Settling::new(1), log(400, stop), size);
+            let found = through(Settling::new(1), &log(400, stop), size);
             assert_eq!(found.line, (2..402).collect::<Vec<u64>>());
             let stay = found.pose.iter().filter(|pose| **pose == found.pose[200]);
             assert!((198..=202).contains(&stay.count()), "{:?}", found.pose);
@@ -429,18 +417,18 @@ mod tests {
     fn rows_of_a_slow_path_are_of_no_stay() {
         // Turns back every 5 s.
         let slow = |t: f64| 0.1 * (0.2 * std::f64::consts::PI * t).sin();
-        let found = through(Settling::new(1), log(3000, slow), 512);
+        let found = through(Settling::new(1), &log(3000, slow), 512);
         assert_eq!(found, log(3000, slow));
     }
 
     #[test]
     fn alone_stays_are_given_out_with_the_mean_of_their_joints() {
-        let found = through(Settling::alone(0.5, 1), log(400, stop), 100);
+        let found = through(Settling::alone(0.5, 1), &log(400, stop), 100);
         assert!((198..=206).contains(&found.len()), "{}", found.len());
         let same = |all: &[f64]| all.iter().all(|q| *q == all[0]);
         assert!(same(&found.q) && found.q[0].abs() < 1e-3, "{}", found.q[0]);
         assert!(found.pose.iter().all(|pose| *pose == found.pose[0]));
-        let none = through(Settling::alone(2.5, 1), log(400, stop), 100);
+        let none = through(Settling::alone(2.5, 1), &log(400, stop), 100);
         assert_eq!(none.len(), 0);
     }
 }

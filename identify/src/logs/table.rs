@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use twox_hash::XxHash64;
 
-use super::columns::{Columns, SUPPORT};
+use super::columns::Columns;
 use super::source::{Raw, RowSource, whole};
 use crate::Error;
 
@@ -132,29 +132,22 @@ impl Column {
         }
     }
 
-    fn number(&self, row: usize) -> f64 {
-        match self {
-            Column::Numbers(values) => values.as_ref()[row],
-            Column::Integers(values) => values.as_ref()[row] as f64,
-            Column::Texts(_) | Column::Unusable(..) => f64::NAN,
-        }
-    }
-
     fn hash(&self, hash: &mut XxHash64) {
+        let mut text = |text: &str| {
+            hash.write(text.as_bytes());
+            hash.write(&[0]);
+        };
         match self {
-            Column::Numbers(all) => all
-                .as_ref()
-                .iter()
-                .for_each(|x| hash.write(&x.to_le_bytes())),
-            Column::Integers(all) => all
-                .as_ref()
-                .iter()
-                .for_each(|x| hash.write(&x.to_le_bytes())),
-            Column::Texts(all) => all.as_ref().iter().for_each(|text| {
-                hash.write(text.as_bytes());
-                hash.write(&[0]);
-            }),
+            Column::Texts(all) => all.as_ref().iter().for_each(|own| text(own)),
             Column::Unusable(_, what) => hash.write(what.as_bytes()),
+            Column::Numbers(all) => {
+                let bytes = all.as_ref().iter().map(|x| x.to_le_bytes());
+                bytes.for_each(|x| hash.write(&x));
+            }
+            Column::Integers(all) => {
+                let bytes = all.as_ref().iter().map(|x| x.to_le_bytes());
+                bytes.for_each(|x| hash.write(&x));
+            }
         }
     }
 }
@@ -177,7 +170,7 @@ impl TableSource {
                 column.len(),
                 table.header[0]
             );
-            return Err(fault(table, said));
+            return Err(Error::log(table.name.clone(), None, said));
         }
         Ok(TableSource {
             table: table.clone(),
@@ -186,23 +179,10 @@ impl TableSource {
         })
     }
 
-    /// Check that every wanted column holds what it should.
-    fn check_types(&self, columns: &Columns) -> Result<(), Error> {
-        let table = &self.table;
-        let numbers = columns.numbers.iter().copied().chain(columns.pose);
-        for k in numbers {
-            let what = match &table.columns[k] {
-                Column::Numbers(_) | Column::Integers(_) => continue,
-                Column::Texts(_) => "no numbers".to_string(),
-                Column::Unusable(_, what) => format!("{what}; cast them to numbers"),
-            };
-            let said = format!("column `{}` holds {what}", table.header[k]);
-            return Err(fault(table, said));
-        }
-        match columns.support.map(|k| &table.columns[k]) {
-            None | Some(Column::Texts(_)) => Ok(()),
-            Some(_) => Err(fault(table, format!("column `{SUPPORT}` holds no text"))),
-        }
+    /// A column that has to hold something else.
+    fn fault(&self, column: usize, what: &str) -> Error {
+        let said = format!("column `{}` holds {what}", self.table.header[column]);
+        Error::log(self.table.name.clone(), None, said)
     }
 }
 
@@ -212,35 +192,49 @@ impl RowSource for TableSource {
     }
 
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
-        if self.done == 0 {
-            self.check_types(columns)?;
-        }
-        let table = &self.table;
         let rows = self.done..self.rows.min(self.done + count);
-        let width = columns.numbers.len();
-        let start = raw.numbers.len();
+        let (width, start) = (columns.numbers.len(), raw.numbers.len());
         raw.numbers.resize(start + rows.len() * width, f64::NAN);
-        for (k, column) in columns.numbers.iter().enumerate() {
-            for (to, row) in raw.column(start + k, width).zip(rows.clone()) {
-                *to = table.columns[*column].number(row);
-            }
-        }
-        for row in rows.clone() {
-            match columns.pose.map(|k| &table.columns[k]) {
-                Some(Column::Integers(poses)) => raw.pose.push(poses.as_ref()[row]),
-                Some(poses) => {
-                    let pose = whole(poses.number(row));
-                    raw.pose.push(pose.map_err(|message| {
-                        Error::log(table.name.clone(), Some(row as u64 + 1), message)
-                    })?);
+        for (k, &column) in columns.numbers.iter().enumerate() {
+            let places = raw.column(start + k, width);
+            match &self.table.columns[column] {
+                Column::Numbers(own) => {
+                    let values = &own.as_ref()[rows.clone()];
+                    places.zip(values).for_each(|(to, x)| *to = *x);
                 }
-                None => {}
+                Column::Integers(own) => {
+                    let values = &own.as_ref()[rows.clone()];
+                    places.zip(values).for_each(|(to, x)| *to = *x as f64);
+                }
+                Column::Texts(_) => return Err(self.fault(column, "no numbers")),
+                Column::Unusable(_, what) => {
+                    return Err(self.fault(column, &format!("{what}; cast them to numbers")));
+                }
             }
-            if let Some(Column::Texts(links)) = columns.support.map(|k| &table.columns[k]) {
-                raw.support.push(links.as_ref()[row].clone());
-            }
-            raw.line.push(row as u64 + 1);
         }
+        match columns.pose.map(|k| (k, &self.table.columns[k])) {
+            None => {}
+            Some((_, Column::Integers(own))) => raw.pose.extend(&own.as_ref()[rows.clone()]),
+            Some((_, Column::Numbers(own))) => {
+                for (row, &value) in rows.clone().zip(&own.as_ref()[rows.clone()]) {
+                    let at = Some(row as u64 + 1);
+                    let bad = |said| Error::log(self.table.name.clone(), at, said);
+                    raw.pose.push(whole(value).map_err(bad)?);
+                }
+            }
+            Some((k, Column::Texts(_))) => return Err(self.fault(k, "no numbers")),
+            Some((k, Column::Unusable(_, what))) => {
+                return Err(self.fault(k, &format!("{what}; cast them to numbers")));
+            }
+        }
+        match columns.support.map(|k| (k, &self.table.columns[k])) {
+            None => {}
+            Some((_, Column::Texts(own))) => raw
+                .support
+                .extend(own.as_ref()[rows.clone()].iter().cloned()),
+            Some((k, _)) => return Err(self.fault(k, "no text")),
+        }
+        raw.line.extend(rows.clone().map(|row| row as u64 + 1));
         self.done = rows.end;
         Ok(())
     }
@@ -258,10 +252,6 @@ impl RowSource for TableSource {
     fn hash(&self) -> u64 {
         self.table.hash()
     }
-}
-
-fn fault(table: &Table, message: String) -> Error {
-    Error::log(table.name.clone(), None, message)
 }
 
 /// Values that somebody else owns, without a copy: a vector, an array of another language.

@@ -15,20 +15,26 @@ const RIDGE: f64 = 1e-9;
 pub const SETTLED: f64 = 1e-3;
 
 /// A sum of squares near some unknowns.
-pub trait Expansion {
+pub struct Expansion<T> {
     /// The unknowns.
-    fn unknowns(&self) -> &[f64];
+    pub unknowns: Vec<f64>,
     /// F there.
-    fn value(&self) -> f64;
+    pub value: f64,
     /// H = JᵀJ.
-    fn normal(&self) -> &DMatrix<f64>;
+    pub normal: DMatrix<f64>,
     /// g = Jᵀ(y − f).
-    fn gradient(&self) -> &DVector<f64>;
+    pub gradient: DVector<f64>,
+    /// What else the caller knows there.
+    pub there: T,
 }
 
 /// The least sum of squares that descent from `start` finds; `sizes` are the
 /// ordinary sizes of the unknowns.
-pub fn minimise<E: Expansion>(start: E, sizes: &[f64], expand: impl Fn(Vec<f64>) -> E) -> E {
+pub fn minimise<T>(
+    start: Expansion<T>,
+    sizes: &[f64],
+    expand: impl Fn(Vec<f64>) -> Expansion<T>,
+) -> Expansion<T> {
     let mut here = start;
     let mut damping = 1e-3;
     if sizes.is_empty() {
@@ -37,17 +43,17 @@ pub fn minimise<E: Expansion>(start: E, sizes: &[f64], expand: impl Fn(Vec<f64>)
     for _ in 0..25 {
         let mut lower = None;
         for _ in 0..8 {
-            let mut damped = here.normal().clone();
+            let mut damped = here.normal.clone();
             for (k, size) in sizes.iter().enumerate() {
                 let unit = 1.0 / (size * size);
-                let own = here.normal()[(k, k)].max(1e-12 * unit);
+                let own = here.normal[(k, k)].max(1e-12 * unit);
                 damped[(k, k)] += damping * own + RIDGE * unit;
             }
             if let Some(factor) = damped.cholesky() {
-                let step = factor.solve(here.gradient());
-                let moved = here.unknowns().iter().zip(step.iter());
+                let step = factor.solve(&here.gradient);
+                let moved = here.unknowns.iter().zip(step.iter());
                 let next = expand(moved.map(|(x, d)| x + d).collect());
-                if next.value() < here.value() {
+                if next.value < here.value {
                     lower = Some(next);
                     damping = (damping * 0.2).max(1e-9);
                     break;
@@ -56,7 +62,7 @@ pub fn minimise<E: Expansion>(start: E, sizes: &[f64], expand: impl Fn(Vec<f64>)
             damping *= 10.0;
         }
         let Some(next) = lower else { break };
-        let gain = here.value() - next.value();
+        let gain = here.value - next.value;
         here = next;
         if gain < SETTLED {
             break;
@@ -81,36 +87,17 @@ mod tests {
     use super::*;
 
     /// Residuals and slopes at some unknowns.
-    struct At {
+    fn expanded(
         unknowns: Vec<f64>,
-        value: f64,
-        normal: DMatrix<f64>,
-        gradient: DVector<f64>,
-    }
-
-    impl At {
-        fn new(unknowns: Vec<f64>, residual: &DVector<f64>, slopes: &DMatrix<f64>) -> At {
-            At {
-                unknowns,
-                value: residual.norm_squared(),
-                normal: slopes.tr_mul(slopes),
-                gradient: slopes.tr_mul(residual),
-            }
-        }
-    }
-
-    impl Expansion for At {
-        fn unknowns(&self) -> &[f64] {
-            &self.unknowns
-        }
-        fn value(&self) -> f64 {
-            self.value
-        }
-        fn normal(&self) -> &DMatrix<f64> {
-            &self.normal
-        }
-        fn gradient(&self) -> &DVector<f64> {
-            &self.gradient
+        residual: &DVector<f64>,
+        slopes: &DMatrix<f64>,
+    ) -> Expansion<()> {
+        Expansion {
+            unknowns,
+            value: residual.norm_squared(),
+            normal: slopes.tr_mul(slopes),
+            gradient: slopes.tr_mul(residual),
+            there: (),
         }
     }
 
@@ -121,7 +108,7 @@ mod tests {
         let readings = DVector::from_vec(vec![1.0, 3.0, 4.0, 4.0]);
         let at = |x: Vec<f64>| {
             let residual = &readings - &slopes * DVector::from_column_slice(&x);
-            At::new(x, &residual, &slopes)
+            expanded(x, &residual, &slopes)
         };
         let found = minimise(at(vec![0.0, 0.0]), &[1.0, 1.0], at);
         assert!((found.unknowns[0] - 1.5).abs() < 1e-3 && (found.unknowns[1] - 1.0).abs() < 1e-3);
@@ -138,7 +125,7 @@ mod tests {
             let (a, b) = (x[0], x[1]);
             let residual = DVector::from_vec(vec![10.0 * (a * a - b), a - 1.0]);
             let slopes = DMatrix::from_row_slice(2, 2, &[-20.0 * a, 10.0, -1.0, 0.0]);
-            At::new(x, &residual, &slopes)
+            expanded(x, &residual, &slopes)
         };
         let found = minimise(at(vec![-1.2, 1.0]), &[1.0, 1.0], at);
         assert!(found.value < SETTLED, "{:?}", found.unknowns);
@@ -151,7 +138,7 @@ mod tests {
         let at = |x: Vec<f64>| {
             let residual = DVector::from_vec(vec![2.0 - x[0]]);
             let slopes = DMatrix::from_row_slice(1, 2, &[1.0, 0.0]);
-            At::new(x, &residual, &slopes)
+            expanded(x, &residual, &slopes)
         };
         let found = minimise(at(vec![2.0, 7.0]), &[1.0, 0.1], at);
         assert_eq!(found.unknowns, [2.0, 7.0]);

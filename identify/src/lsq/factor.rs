@@ -18,10 +18,8 @@ use sesc_runtime::{F64x8, Simd};
 use crate::observations::row_matrix::RowMatrix;
 
 /// What is left of `rows` rows: everything that least squares needs of them.
-///
-/// Files have its numbers apart: serialised, it is as many zeros.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Packed", into = "Packed")]
+#[serde(try_from = "Packed", into = "Packed")]
 pub struct Factor {
     /// Upper triangle of order p + 1; the last column belongs to the readings.
     triangle: DMatrix<f64>,
@@ -235,56 +233,46 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// A factor without its numbers.
+/// A factor as it is written down.
 #[derive(Serialize, Deserialize)]
 struct Packed {
-    /// Parameters.
-    params: usize,
-    /// Rows that were rotated in.
+    /// Rows that were folded in.
     rows: u64,
+    /// The upper triangle, row by row.
+    triangle: Vec<f64>,
 }
 
 impl From<Factor> for Packed {
     fn from(factor: Factor) -> Packed {
+        let order = factor.triangle.nrows();
+        let entries = (0..order).flat_map(|row| (row..order).map(move |k| (row, k)));
         Packed {
-            params: factor.params(),
             rows: factor.rows,
+            triangle: entries.map(|at| factor.triangle[at]).collect(),
         }
     }
 }
 
-impl From<Packed> for Factor {
-    fn from(packed: Packed) -> Factor {
-        Factor {
-            rows: packed.rows,
-            ..Factor::new(packed.params)
+impl TryFrom<Packed> for Factor {
+    type Error = &'static str;
+
+    fn try_from(packed: Packed) -> Result<Factor, Self::Error> {
+        // order (order + 1) / 2 numbers
+        let order = (2 * packed.triangle.len()).isqrt();
+        if order == 0 || order * (order + 1) / 2 != packed.triangle.len() {
+            return Err("numbers that are no triangle");
         }
+        let mut factor = Factor::new(order - 1);
+        factor.rows = packed.rows;
+        let entries = (0..order).flat_map(|row| (row..order).map(move |k| (row, k)));
+        for (at, x) in entries.zip(packed.triangle) {
+            factor.triangle[at] = x;
+        }
+        Ok(factor)
     }
 }
 
 impl Factor {
-    /// Numbers in the triangle of so many parameters; none where they cannot be counted.
-    pub(crate) fn numbers_of(params: usize) -> Option<usize> {
-        let order = params.checked_add(1)?;
-        Some(order.checked_mul(order.checked_add(1)?)? / 2)
-    }
-
-    /// The upper triangle, row by row.
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
-        let order = self.triangle.nrows();
-        let entries = (0..order).flat_map(move |row| (row..order).map(move |k| (row, k)));
-        entries.map(|at| self.triangle[at])
-    }
-
-    /// Set the upper triangle, row by row.
-    pub(crate) fn fill(&mut self, numbers: impl IntoIterator<Item = f64>) {
-        let order = self.triangle.nrows();
-        let entries = (0..order).flat_map(|row| (row..order).map(move |k| (row, k)));
-        for (at, x) in entries.zip(numbers) {
-            self.triangle[at] = x;
-        }
-    }
-
     /// The factor of the same rows, each times `scale`.
     pub(crate) fn scaled(&self, scale: f64) -> Factor {
         Factor {
@@ -337,10 +325,12 @@ mod tests {
             assert!((factor.residual_sum(&params) - direct).abs() < 1e-11 * direct);
         }
         let text = serde_json::to_string(&merged).unwrap();
-        let mut back: Factor = serde_json::from_str(&text).unwrap();
-        back.fill(merged.numbers());
+        let back: Factor = serde_json::from_str(&text).unwrap();
         assert_eq!(back, merged_triangle(&merged));
-        assert_eq!(Some(merged.numbers().count()), Factor::numbers_of(4));
+        for odd in [0, 2, 16] {
+            let text = format!("{{\"rows\": 1, \"triangle\": {:?}}}", vec![1.0; odd]);
+            assert!(serde_json::from_str::<Factor>(&text).is_err());
+        }
     }
 
     /// In two rows of sixty columns all but two columns are rounding, of rounding, of rounding.

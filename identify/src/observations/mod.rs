@@ -18,7 +18,7 @@ pub(crate) mod repeats;
 pub(crate) mod revisits;
 pub(crate) mod row_matrix;
 pub(crate) mod rows;
-pub(crate) mod samples;
+pub(crate) mod sample_count;
 pub(crate) mod stays;
 pub(crate) mod zmp;
 

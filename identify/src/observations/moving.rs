@@ -11,11 +11,11 @@ use std::ops::{Deref, DerefMut};
 use super::correlation;
 use super::motion::{Motion, Plan, Wanted};
 use crate::Error;
-use crate::logs::{Block, PostureReader};
+use crate::logs::{Block, Rows};
 
-/// A reader of postures that knows their motion where it has a plan for it.
+/// Rows of a log for which one knows their motion where it has a plan for it.
 pub struct Moving {
-    reader: PostureReader,
+    log: Rows,
     dof: usize,
     plan: Option<Plan>,
     wanted: Wanted,
@@ -28,24 +28,24 @@ pub struct Moving {
 }
 
 impl Deref for Moving {
-    type Target = PostureReader;
+    type Target = Rows;
 
-    fn deref(&self) -> &PostureReader {
-        &self.reader
+    fn deref(&self) -> &Rows {
+        &self.log
     }
 }
 
 impl DerefMut for Moving {
-    fn deref_mut(&mut self) -> &mut PostureReader {
-        &mut self.reader
+    fn deref_mut(&mut self) -> &mut Rows {
+        &mut self.log
     }
 }
 
 impl Moving {
     /// Read postures of a robot with `dof` joints; plain rows without a plan.
-    pub fn new(reader: PostureReader, dof: usize, plan: Option<Plan>, wanted: Wanted) -> Moving {
+    pub fn new(rows: impl Into<Rows>, dof: usize, plan: Option<Plan>, wanted: Wanted) -> Moving {
         Moving {
-            reader,
+            log: rows.into(),
             dof,
             step_s: plan.as_ref().map(|plan| plan.step_s),
             plan,
@@ -56,23 +56,24 @@ impl Moving {
         }
     }
 
-    /// With the plan that the first `rows` rows of the log suggest.
+    /// With the plan that the first `head` rows of the log suggest.
     ///
     /// # Errors
-    /// As [`PostureReader::block`].
+    /// As [`Rows::block`].
     pub fn planned(
-        mut reader: PostureReader,
+        rows: impl Into<Rows>,
         dof: usize,
-        rows: usize,
+        head: usize,
         wanted: Wanted,
     ) -> Result<Moving, Error> {
-        let first = reader.block(rows)?;
+        let mut rows = rows.into();
+        let first = rows.block(head)?;
         let t = first.t.as_ref();
         let plan = t.and_then(|t| Plan::of(t, &first.q, dof));
         Ok(Moving {
             step_s: t.and_then(|t| correlation::step(t)),
             ahead: Some(first),
-            ..Moving::new(reader, dof, plan, wanted)
+            ..Moving::new(rows, dof, plan, wanted)
         })
     }
 
@@ -89,11 +90,11 @@ impl Moving {
     /// The next rows, at most `rows`; empty at the end. With their motion, where joints move.
     ///
     /// # Errors
-    /// As [`PostureReader::block`].
+    /// As [`Rows::block`].
     pub fn rows(&mut self, rows: usize) -> Result<(Block, Option<Motion>), Error> {
         let block = match self.ahead.take() {
             Some(block) => block,
-            None => self.reader.block(rows)?,
+            None => self.log.block(rows)?,
         };
         if self.plan.is_none() || block.t.is_none() {
             return Ok((block, None));
@@ -102,7 +103,7 @@ impl Moving {
             self.ahead = Some(Block::default());
             return Ok((block, None));
         }
-        let next = self.reader.block(rows)?;
+        let next = self.log.block(rows)?;
         let motion = self.motion(&block, &next);
         self.ahead = Some(next);
         Ok((block, motion))
@@ -111,7 +112,7 @@ impl Moving {
     /// The same without rows whose motion is not known.
     ///
     /// # Errors
-    /// As [`PostureReader::block`].
+    /// As [`Rows::block`].
     pub fn known_rows(&mut self, rows: usize) -> Result<(Block, Option<Motion>), Error> {
         loop {
             let (mut block, motion) = self.rows(rows)?;

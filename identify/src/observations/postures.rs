@@ -22,7 +22,7 @@ use super::noise::{self, LEAST_STD, NoiseSource};
 use super::repeats::Visits;
 use super::rows;
 use super::zmp::Moved;
-use crate::logs::{LogSource, Options, PostureReader, Summary, keep_some};
+use crate::logs::{Samples, Summary, keep_some};
 use crate::watch::{Watch, tell};
 use crate::{Error, Message, Setting, message};
 
@@ -33,13 +33,13 @@ use gathering::{Gathering, Motions, Posture};
 use known::Noise;
 
 /// Rows taken at once.
-const BLOCK: usize = 4096;
+pub(crate) const BLOCK: usize = 4096;
 /// A reading of which a joint took up more tells nothing of the noise; nor does an axis where
 /// fewer than one in so many readings is left.
 const MOST_SPENT: f64 = 0.75;
 const FEW_PART: usize = 4;
 /// Rows that say how a log is differentiated.
-const HEAD: usize = 20_000;
+pub(crate) const HEAD: usize = 20_000;
 
 /// Postures and readings in memory.
 #[derive(Debug, Clone)]
@@ -114,30 +114,20 @@ pub struct Spent {
     pub part: f64,
 }
 
-/// How a log is to be taken.
-#[derive(Debug, Clone)]
-pub struct Taking {
-    /// How the log is to be read.
-    pub options: Options,
-    /// Standard deviation of a single reading on one axis, m, where the user says.
-    pub noise: Option<f64>,
-    /// Added to the noise in quadrature, m: encoder ticks.
-    pub floor: f64,
-}
-
 impl Postures {
-    /// Read a log of readings on the model's support.
+    /// The postures of a log that stand on the model's support. `noise` is that of a single reading
+    /// on one axis, m, where the user says; `floor`, m, is added to the noise in quadrature: encoder
+    /// ticks.
     ///
     /// # Errors
-    /// As [`PostureReader`]; a log without a posture on that link; when `watch` stops it.
+    /// As [`Rows::block`]; a log without a posture on that link; when `watch` stops it.
     pub fn read(
-        log: impl Into<LogSource>,
+        samples: &Samples,
         model: &Model,
-        taking: &Taking,
+        noise: (Option<f64>, f64),
         watch: &mut dyn Watch,
     ) -> Result<Postures, Error> {
-        let log = log.into();
-        let data = Postures::read_some(&log, model, taking, watch)?;
+        let data = Postures::read_some(samples, model, noise, watch)?;
         data.ok_or_else(|| {
             let message = message![
                 format!(
@@ -146,28 +136,26 @@ impl Postures {
                 ),
                 Setting::Support
             ];
-            Error::log(log.name(), None, message)
+            Error::log(samples.log.name(), None, message)
         })
     }
 
     /// The same; none of a log without a posture on that link.
     ///
     /// # Errors
-    /// As [`PostureReader`]; when `watch` stops it.
+    /// As [`Rows::block`]; when `watch` stops it.
     pub fn read_some(
-        log: &LogSource,
+        samples: &Samples,
         model: &Model,
-        taking: &Taking,
+        (noise, floor): (Option<f64>, f64),
         watch: &mut dyn Watch,
     ) -> Result<Option<Postures>, Error> {
-        let dofs = &model.tree.dofs;
-        let reader = PostureReader::open(log, dofs, &taking.options)?;
-        let mut reader = Moving::planned(reader, dofs.len(), HEAD, Wanted::Changes)?;
-        let support = &model.tree.links[model.tree.support].name;
-        let mut gathering = Gathering::new(taking.options.any_unit);
+        let (dof, sidecar) = (samples.dof(), &samples.sidecar);
+        let mut reader = Moving::planned(samples.rows()?, dof, HEAD, Wanted::Changes)?;
+        let support = model.support();
+        let mut gathering = Gathering::new(samples.options.any_unit);
         let [mut stated, mut timed, mut raw, mut contacts] = [false; 4];
         let (mut elsewhere, mut taken) = (BTreeMap::<String, u64>::new(), 0_u64);
-        let dof = dofs.len();
         loop {
             let (block, motion) = reader.rows(BLOCK)?;
             if block.is_empty() {
@@ -212,14 +200,11 @@ impl Postures {
             gathering.join_reached_again(model);
         }
         let single = (1.0 - reader.averaged()).sqrt();
-        let own = Taking {
-            noise: taking.noise.map(|noise| noise * single),
-            ..taking.clone()
-        };
-        let mut data = Postures::of(dof, &gathering, stated, timed, &own);
-        data.cells = reader.sidecar.cells.clone().unwrap_or_default();
+        let noise = noise.map(|noise| noise * single);
+        let mut data = Postures::of(dof, &gathering, (stated, timed), (noise, floor));
+        data.cells = sidecar.cells.clone().unwrap_or_default();
         data.raw_cells = raw;
-        data.other_foot = reader.sidecar.other_foot.clone();
+        data.other_foot = sidecar.other_foot.clone();
         if contacts {
             let mean = |posture: &Posture| posture.other.map(|sum| sum / posture.rows);
             data.other_contact = gathering.kept.iter().map(mean).collect();
@@ -232,7 +217,7 @@ impl Postures {
         data.warnings.splice(0..0, reader.warnings.iter().cloned());
         let moved = gathering.known.moved();
         if moved > 0 {
-            let file = log.name();
+            let file = samples.log.name();
             data.warnings
                 .push(format!("{file}: {}", moved_sentence(moved)).into());
         }
@@ -269,23 +254,17 @@ impl Postures {
             gathering.push(row, DOWN, [1.0; 2]);
         }
         gathering.close();
-        let taking = Taking {
-            options: Options::default(),
-            noise,
-            floor,
-        };
-        Postures::of(dof, &gathering, false, false, &taking)
+        Postures::of(dof, &gathering, (false, false), (noise, floor))
     }
 
     fn of(
         dof: usize,
         gathering: &Gathering,
-        stated: bool,
-        timed: bool,
-        taking: &Taking,
+        (stated, timed): (bool, bool),
+        (given, floor): (Option<f64>, f64),
     ) -> Postures {
         let all = &gathering.kept;
-        let noise = Noise::of(gathering, stated, timed, taking.noise);
+        let noise = Noise::of(gathering, stated, timed, given);
         let layout = PostureContext::with_joints(dof);
         let count = all.len();
         let mut data = Postures {
@@ -298,8 +277,8 @@ impl Postures {
             spent: Vec::new(),
             t: timed.then(|| all.iter().map(|p| p.t).collect()),
             noise: noise.overall,
-            noise_floor: noise.overall.hypot(taking.floor),
-            floor: taking.floor,
+            noise_floor: noise.overall.hypot(floor),
+            floor,
             within_stays: noise.within,
             noise_source: noise.source,
             visits: gathering.repeats.visits(),
@@ -325,7 +304,7 @@ impl Postures {
             for axis in 0..2 {
                 u[layout.tilt(axis)] = posture.tilt[axis];
                 data.reading.push(posture.sum[axis] / posture.rows);
-                data.std.push(noise.per_entry[k][axis].hypot(taking.floor));
+                data.std.push(noise.per_entry[k][axis].hypot(floor));
             }
             let [rates, accelerations, ..] = &posture.moving.sums;
             let pairs = rates.iter().zip(accelerations).enumerate();

@@ -1,4 +1,5 @@
-//! Postures that the robot can stand in, drawn by seed.
+//! Postures that the robot can stand in, drawn by seed: what they have to respect, which is joint
+//! limits, balance, the ground and the robot's own body, and how they come to it.
 //!
 //! ```text
 //! q = q_rest + s (u − q_rest)        u uniform within the limits, s in (0, 1]
@@ -13,22 +14,322 @@
 //! robot's own body. Every draw that fails is counted with its reason.
 //!
 //! Where too few are found, the message has the numbers and what would help.
+//!
+//! # Clearance
+//!
+//! Nothing but the support body touches the ground:
+//!
+//! ```text
+//! z of every shape and point of bodies i ≥ 1  ≥  clearance
+//! ```
+//!
+//! A link with collision shapes is those; one without is its origin, its CoM
+//! and the points of its joints. Bodies that are joined to the support body by
+//! fixed joints are part of it and may touch, and so may the point of a joint
+//! that the support body itself holds.
+//!
+//! # Both feet
+//!
+//! With both soles on one floor the legs are a closed chain:
+//!
+//! ```text
+//! h(q) = (p_z, roll, pitch) of the other sole = 0        CoP(q) = u + λ p_xy(q)
+//! q ← q + W Jᵀ (J W Jᵀ + ε)⁻¹ (0 − h, u + λ p_xy − CoP)        λ in (0, 1): from sole to sole
+//! ```
+//!
+//! The CoP of both feet together may be wherever the hull of two soles is: that of the support,
+//! and the same about the other sole.
 
-use std::borrow::Cow;
-use std::ops::ControlFlow;
-
-use nalgebra::{DMatrix, Matrix2, Vector2};
+use nalgebra::{DMatrix, Matrix2, Matrix3, Vector2, Vector3};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
-use sesc_model::Function;
+use sesc_model::effects::other_sole_by_joints;
+use sesc_model::tape::{Tape, Values};
+use sesc_model::{Function, Model};
 
 use super::Request;
-use super::limits::{is_stuck, stride};
-use super::scene::Scene;
-use crate::evaluate::Evaluator;
+use super::collision::Collisions;
+use super::limits::{Limits, move_by};
+use super::shapes::{Geometry, Region, Solid};
+use crate::evaluate::{Evaluator, FASTEST};
+use crate::feet::{OtherFoot, ROWS};
 use crate::poses::{self, Pose};
-use crate::{Message, Setting, message};
+use crate::{Error, Message, Setting, message};
+
+/// A robot on the ground, and what its postures have to respect.
+pub struct Scene<'a> {
+    /// The robot on its support.
+    pub model: &'a Model,
+    /// Joint limits.
+    pub limits: &'a Limits,
+    /// Where the CoP may be.
+    pub region: &'a Region,
+    /// Standard deviations of the CoP kept from the edge.
+    pub sigmas: f64,
+    /// S of the parameters' covariance S Sᵀ.
+    pub uncertainty: DMatrix<f64>,
+    /// What must stay clear of the ground.
+    pub(super) clearance: Clearance,
+    /// The other sole, where it has to lie on the floor, too.
+    pub(super) both_feet: Option<BothFeet<'a>>,
+    /// What must not collide.
+    pub(super) collisions: Collisions,
+}
+
+impl<'a> Scene<'a> {
+    /// A robot whose parameters are known, `clearance` (m) above the ground but for its support
+    /// and the foot `other`.
+    pub fn new(
+        model: &'a Model,
+        geometry: &Geometry,
+        limits: &'a Limits,
+        region: &'a Region,
+        clearance: f64,
+        other: Option<OtherFoot>,
+    ) -> Scene<'a> {
+        let rest = limits.rest();
+        let both_feet = other.and_then(|other| BothFeet::new(model, other, &rest));
+        let standing = both_feet.as_ref().map(|feet| feet.body);
+        Scene {
+            clearance: Clearance::new(model, geometry, clearance, standing),
+            collisions: Collisions::new(model, geometry, &rest),
+            uncertainty: DMatrix::zeros(model.base.params.len(), 0),
+            sigmas: 0.0,
+            both_feet,
+            region,
+            limits,
+            model,
+        }
+    }
+}
+
+/// What must stay above the ground.
+pub(super) struct Clearance {
+    /// Least height, m.
+    pub height: f64,
+    parts: Vec<Part>,
+    /// Links known by their shapes, and by points alone.
+    pub by_shapes: usize,
+    /// Links whose height follows from points.
+    pub by_points: usize,
+}
+
+/// A solid of a link, or a point, which is a ball of no size.
+struct Part {
+    body: usize,
+    link: usize,
+    pose: Pose,
+    solid: Solid,
+}
+
+impl Clearance {
+    /// Look at the shapes of all links but those of the support body.
+    ///
+    /// Body `standing` stands on the floor, too.
+    pub(super) fn new(
+        model: &Model,
+        geometry: &Geometry,
+        height: f64,
+        standing: Option<usize>,
+    ) -> Clearance {
+        let mut all = Clearance {
+            height,
+            parts: Vec::new(),
+            by_shapes: 0,
+            by_points: 0,
+        };
+        for (link, about, body, place) in poses::links(model) {
+            if body == 0 || Some(body) == standing {
+                continue;
+            }
+            let mut solids: Vec<(Pose, Solid)> = geometry.on(&about.name, place).collect();
+            all.by_shapes += usize::from(!solids.is_empty());
+            all.by_points += usize::from(solids.is_empty());
+            if solids.is_empty() {
+                let at = |origin| Pose { origin, ..place };
+                let points = points(model, link, &place).into_iter();
+                solids.extend(points.map(|point| (at(point), Solid::Sphere { radius: 0.0 })));
+            }
+            all.parts
+                .extend(solids.into_iter().map(|(pose, solid)| Part {
+                    body,
+                    link,
+                    pose,
+                    solid,
+                }));
+        }
+        all
+    }
+
+    /// The lowest height, m, and the link that is there; `None` when nothing moves.
+    pub(super) fn lowest(&self, bodies: &[Pose]) -> Option<(f64, usize)> {
+        let height = |part: &Part| {
+            let body = &bodies[part.body];
+            let down = -part.pose.rotation.transpose() * body.rotation.row(2).transpose();
+            body.point(&part.pose.origin).z - part.solid.reach(&down)
+        };
+        let heights = self.parts.iter().map(|part| (height(part), part.link));
+        heights.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// In a few words.
+    pub(super) fn sentence(&self) -> String {
+        let mm = 1e3 * self.height;
+        match (self.by_shapes, self.by_points) {
+            (0, 0) => "nothing moves".to_string(),
+            (0, points) => format!(
+                "{mm:.1} mm for joints and CoMs of {points} links: they have no collision shapes, \
+                 parts that reach beyond may touch"
+            ),
+            (shapes, 0) => format!("{mm:.1} mm for the collision shapes of {shapes} links"),
+            (shapes, points) => format!(
+                "{mm:.1} mm for the collision shapes of {shapes} links, and for joints and CoMs of \
+                 {points} links without shapes"
+            ),
+        }
+    }
+}
+
+/// Origin, CoM and joints of a link in its body, without what the support body holds.
+fn points(model: &Model, link: usize, place: &Pose) -> Vec<Vector3<f64>> {
+    let about = &model.tree.links[link];
+    let mut points = vec![place.origin];
+    if about.mass > 0.0 {
+        points.push(place.point(&about.com().into()));
+    }
+    for edge in &model.tree.edges {
+        if edge.near == link {
+            points.push(place.point(&edge.anchor().into()));
+        }
+        if edge.far == link {
+            points.push(place.point(&edge.offset().into()));
+        }
+    }
+    let body = poses::of_link(model, link).map_or(0, |(body, _)| body);
+    let held = model.chain.bodies[body].parent == Some(0);
+    // The body's own origin is the point of the joint that carries it.
+    points.retain(|point| !(held && point.norm() < 1e-9));
+    points.dedup();
+    points
+}
+
+/// Soles that lie this well are on the floor, m and rad.
+const ON_FLOOR: f64 = 1e-9;
+/// So little holds what no joint moves that soles come to lie so well.
+const DAMPING: f64 = 1e-9;
+/// How far the soles may be from each other, as parts of how far they are at rest.
+const APART: (f64, f64) = (0.75, 2.0);
+/// The other foot stays on its side: within this angle's cosine of where it is at rest.
+const BESIDE: f64 = 0.7;
+
+/// The other sole of a robot on its support.
+pub(super) struct BothFeet<'m> {
+    model: &'m Model,
+    /// The sole.
+    pub other: OtherFoot,
+    /// Body of the chain that holds the other sole, which may touch the floor.
+    pub body: usize,
+    place: Pose,
+    tape: Tape,
+    rest: Vector2<f64>,
+}
+
+impl<'m> BothFeet<'m> {
+    /// At rest in posture `rest`; none of a link that hangs on a joint nobody knows.
+    pub(super) fn new(model: &'m Model, other: OtherFoot, rest: &[f64]) -> Option<BothFeet<'m>> {
+        let (body, link) = poses::of_link(model, other.link)?;
+        let place = link.then(&Pose {
+            rotation: Matrix3::identity(),
+            origin: Vector3::new(0.0, 0.0, -other.below_m),
+        });
+        let mut feet = BothFeet {
+            model,
+            tape: Tape::new(&other_sole_by_joints(model, other.place())),
+            other,
+            body,
+            place,
+            rest: Vector2::zeros(),
+        };
+        feet.rest = feet.sole(rest).origin.xy();
+        Some(feet)
+    }
+
+    /// The other sole's frame.
+    fn sole(&self, q: &[f64]) -> Pose {
+        let bodies = poses::bodies(&self.model.chain.bodies, q);
+        bodies[self.body].then(&self.place)
+    }
+
+    /// Where its origin is on the floor, m.
+    pub(super) fn at(&self, q: &[f64]) -> Vector2<f64> {
+        self.sole(q).origin.xy()
+    }
+
+    /// Height, roll and pitch, and their slopes, a row each.
+    fn lies(&self, q: &[f64]) -> ([f64; ROWS], [Vec<f64>; ROWS]) {
+        let width = 1 + q.len();
+        let mut out = vec![0.0; ROWS * width];
+        self.tape
+            .run(&[Values::PerPosture(q)], 1, &mut out, FASTEST);
+        let row = |k: usize| &out[k * width..(k + 1) * width];
+        (
+            [0, 1, 2].map(|k| row(k)[0]),
+            [0, 1, 2].map(|k| row(k)[1..].to_vec()),
+        )
+    }
+
+    /// One step towards both soles on the floor and a CoP that is off by `miss` (m), whose
+    /// slopes are `jacobian` (x row, y row); how far the soles are off it, m and rad.
+    pub(super) fn step(
+        &self,
+        q: &mut [f64],
+        miss: Vector2<f64>,
+        jacobian: &[f64],
+        ranges: &[(f64, f64)],
+    ) -> f64 {
+        let ([height, roll, pitch], [a, b, c]) = self.lies(q);
+        let (x, y) = jacobian.split_at(q.len());
+        let wanted = [-height, -roll, -pitch, miss.x, miss.y];
+        move_by(q, wanted, [&a, &b, &c, x, y], DAMPING, ranges);
+        Vector3::new(height, roll, pitch).amax()
+    }
+
+    /// Put the other sole on the floor, wherever the CoP goes: whether it is there.
+    pub(super) fn put_down(&self, q: &mut [f64], ranges: &[(f64, f64)]) -> bool {
+        for _ in 0..20 {
+            let (lies, slopes) = self.lies(q);
+            if Vector3::from(lies).amax() <= ON_FLOOR {
+                return true;
+            }
+            let slopes = slopes.each_ref().map(Vec::as_slice);
+            move_by(q, lies.map(|x| -x), slopes, DAMPING, ranges);
+        }
+        Vector3::from(self.lies(q).0).amax() <= ON_FLOOR
+    }
+
+    /// Where the CoP may be: the hull of both soles' regions; none where the feet are too close,
+    /// too far from each other, or crossed.
+    pub(super) fn region(&self, own: &Region, q: &[f64]) -> Option<Region> {
+        let sole = self.sole(q);
+        let at = sole.origin.xy();
+        let (far, still) = (at.norm(), self.rest.norm());
+        let fits = (APART.0 * still..=APART.1 * still).contains(&far)
+            && at.dot(&self.rest) >= BESIDE * far * still
+            && sole.rotation[(2, 2)] > 0.0;
+        if !fits {
+            return None;
+        }
+        let moved = own.corners.iter().map(|&[x, y]| {
+            let corner = sole.point(&Vector3::new(x, y, 0.0));
+            [corner.x, corner.y]
+        });
+        Region::hull(
+            own.corners.iter().copied().chain(moved).collect(),
+            own.margin,
+        )
+    }
+}
 
 /// Close enough to the target, m.
 const NEAR: f64 = 1e-5;
@@ -49,9 +350,6 @@ pub struct Counts {
     pub clear: usize,
     /// Of these, free of self-collision.
     pub collision_free: usize,
-    /// The best CoP among draws that do not balance: how far it is out, m.
-    #[serde(skip)]
-    pub nearest_miss: Option<f64>,
     /// How far each of the first draws is out, m, until one balances.
     #[serde(skip)]
     pub(crate) misses: Vec<f64>,
@@ -64,17 +362,20 @@ pub struct Counts {
 
 /// Up to `wanted` postures that respect `scene`, from at most `draws` draws, one after the other,
 /// and what became of the draws; the same seed draws the same. Gives up where the first 10,000
-/// bring none, and where `progress` says so.
+/// bring none.
+///
+/// # Errors
+/// That of `progress`, which hears how many are found.
 pub fn sample(
     scene: &Scene,
     seed: u64,
     wanted: usize,
     draws: usize,
-    mut progress: impl FnMut(usize) -> ControlFlow<()>,
-) -> (Vec<f64>, Counts) {
+    mut progress: impl FnMut(usize) -> Result<(), Error>,
+) -> Result<(Vec<f64>, Counts), Error> {
     let model = scene.model;
     let mut sampler = Sampler {
-        com: Evaluator::new(model, Function::Cop),
+        cop: Evaluator::new(model, Function::Cop),
         jacobian: Evaluator::new(model, Function::ComJacobian),
         regressor: Evaluator::new(model, Function::RegressorCop),
         rng: ChaCha8Rng::seed_from_u64(seed),
@@ -86,12 +387,13 @@ pub fn sample(
     };
     let dof = model.dof();
     let mut found = Vec::new();
-    let goes_on = |found: &[f64], drawn: usize| {
-        found.len() < wanted * dof && drawn < draws && !(found.is_empty() && drawn >= 10_000)
-    };
-    while goes_on(&found, sampler.counts.drawn) {
+    loop {
+        let drawn = sampler.counts.drawn;
+        if found.len() >= wanted * dof || drawn >= draws || found.is_empty() && drawn >= 10_000 {
+            break;
+        }
         // Worked on together.
-        let n = 256.min(draws - sampler.counts.drawn);
+        let n = 256.min(draws - drawn);
         for q in sampler.block(n) {
             // Counts stop with the last candidate taken.
             if found.len() == wanted * dof {
@@ -102,18 +404,16 @@ pub fn sample(
                 found.extend_from_slice(&q.q);
             }
         }
-        if progress(found.len() / dof).is_break() {
-            break;
-        }
+        progress(found.len() / dof)?;
     }
     sampler.counts.cop_std /= sampler.counts.drawn.max(1) as f64;
-    (found, sampler.counts)
+    Ok((found, sampler.counts))
 }
 
 /// Draws candidates until there are enough.
 struct Sampler<'a> {
     scene: &'a Scene<'a>,
-    com: Evaluator,
+    cop: Evaluator,
     jacobian: Evaluator,
     regressor: Evaluator,
     rng: ChaCha8Rng,
@@ -126,16 +426,13 @@ impl Sampler<'_> {
     fn stands(&mut self, drawn: &Drawn) -> bool {
         self.counts.cop_std += drawn.std;
         if drawn.violation > 0.0 {
-            let nearest = self.counts.nearest_miss.get_or_insert(f64::INFINITY);
-            *nearest = nearest.min(drawn.violation);
             if self.counts.balanced == 0 {
                 self.counts.misses.push(drawn.violation);
             }
             return false;
         }
         self.counts.balanced += 1;
-        let mut bodies: Vec<Pose> = Vec::new();
-        poses::bodies(self.scene.model, &drawn.q, &mut bodies);
+        let bodies = poses::bodies(&self.scene.model.chain.bodies, &drawn.q);
         match self.scene.clearance.lowest(&bodies) {
             Some((height, link)) if height < self.scene.clearance.height => {
                 self.counts.low[link] += 1;
@@ -173,34 +470,31 @@ impl Sampler<'_> {
     }
 
     fn draw(&mut self) -> Drawn {
-        let rest = self.scene.limits.rest();
         let rng = &mut self.rng;
+        let mut within = |(low, high): (f64, f64)| low + (high - low) * rng.random::<f64>();
         // At least a fifth of the limits from rest.
-        let spread = 1.0 - (1.0 - 0.2) * rng.random::<f64>();
-        let ranges = self.scene.limits.ranges.iter().zip(&rest);
+        let spread = within((1.0, 0.2));
+        let ranges = self
+            .scene
+            .limits
+            .ranges
+            .iter()
+            .zip(self.scene.limits.rest());
         let q = ranges
-            .map(|(&(lower, upper), rest)| {
-                let uniform = lower + (upper - lower) * rng.random::<f64>();
-                (rest + spread * (uniform - rest)).clamp(lower, upper)
-            })
+            .map(|(&range, rest)| (rest + spread * (within(range) - rest)).clamp(range.0, range.1))
             .collect();
         let region = self.scene.region;
         let bounds = region.bounds();
-        let mut target = region.centre();
-        for _ in 0..100 {
-            let at = bounds.map(|(low, high)| low + (high - low) * rng.random::<f64>());
-            if region.violation(at.into(), &Matrix2::zeros(), 0.0) <= 0.0 {
-                target = at.into();
-                break;
-            }
-        }
-        // From one sole to the other.
-        let both = self.scene.both_feet.as_ref();
-        let share = both.map_or(0.0, |_| self.rng.random::<f64>());
+        let mut points = (0..100).map(|_| Vector2::from(bounds.map(&mut within)));
+        let target = points.find(|at| region.violation(*at, &Matrix2::zeros(), 0.0) <= 0.0);
         Drawn {
             q,
-            target,
-            share,
+            target: target.unwrap_or_else(|| region.centre()),
+            // From one sole to the other.
+            share: match self.scene.both_feet {
+                Some(_) => within((0.0, 1.0)),
+                None => 0.0,
+            },
             on_floor: true,
             violation: f64::INFINITY,
             std: 0.0,
@@ -212,8 +506,9 @@ impl Sampler<'_> {
         let dof = self.scene.model.dof();
         let q = open.iter().flat_map(|&k| &draws[k].q);
         let q: Vec<f64> = q.copied().collect();
-        let cop = self.com.run(&q, open.len());
+        let cop = self.cop.run(&q, open.len());
         let jacobian = self.jacobian.run(&q, open.len());
+        let ranges = &self.scene.limits.ranges;
         let mut still = Vec::with_capacity(open.len());
         for (i, k) in open.into_iter().enumerate() {
             let drawn = &mut draws[k];
@@ -221,12 +516,13 @@ impl Sampler<'_> {
             let j = &jacobian[3 * dof * i..][..2 * dof];
             if let Some(feet) = &self.scene.both_feet {
                 let miss = miss + drawn.share * feet.at(&drawn.q);
-                let off = feet.step(&mut drawn.q, miss, j, &self.scene.limits.ranges);
+                let off = feet.step(&mut drawn.q, miss, j, ranges);
                 if miss.norm().max(off) > NEAR {
                     still.push(k);
                 }
             } else if miss.norm() > NEAR {
-                drawn.move_by(miss, j, &self.scene.limits.ranges);
+                let (x, y) = j.split_at(dof);
+                move_by(&mut drawn.q, miss.into(), [x, y], 1e-6, ranges);
                 still.push(k);
             }
         }
@@ -238,7 +534,7 @@ impl Sampler<'_> {
         let q = draws.iter().flat_map(|drawn| &drawn.q);
         let q: Vec<f64> = q.copied().collect();
         let n = draws.len();
-        let cop = self.com.run(&q, n);
+        let cop = self.cop.run(&q, n);
         let p = self.scene.uncertainty.nrows();
         // As columns, φᵀ of one posture after the other.
         let rows = DMatrix::from_vec(p, 2 * n, self.regressor.run(&q, n));
@@ -248,16 +544,14 @@ impl Sampler<'_> {
             let covariance = Matrix2::new(x.dot(&x), x.dot(&y), x.dot(&y), y.dot(&y));
             let cop = Vector2::new(cop[2 * k], cop[2 * k + 1]);
             let own = self.scene.region;
-            let region = match &self.scene.both_feet {
-                None => Some(Cow::Borrowed(own)),
-                Some(feet) if drawn.on_floor => feet.region(own, &drawn.q).map(Cow::Owned),
-                Some(_) => None,
+            let beyond = |region: &Region| region.violation(cop, &covariance, self.scene.sigmas);
+            let violation = match &self.scene.both_feet {
+                None => Some(beyond(own)),
+                Some(_) if !drawn.on_floor => None,
+                Some(feet) => feet.region(own, &drawn.q).as_ref().map(beyond),
             };
-            let violation = region.map_or(f64::INFINITY, |region| {
-                region.violation(cop, &covariance, self.scene.sigmas)
-            });
             // What is not a number does not balance.
-            let finite = Some(violation).filter(|x| *x <= f64::MAX);
+            let finite = violation.filter(|x| *x <= f64::MAX);
             drawn.violation = finite.unwrap_or(f64::INFINITY);
             drawn.std = (covariance.trace() / 2.0).sqrt();
         }
@@ -277,41 +571,6 @@ struct Drawn {
     std: f64,
 }
 
-impl Drawn {
-    /// Least motion, in parts of the ranges, that moves the CoP by `miss`.
-    fn move_by(&mut self, miss: Vector2<f64>, jacobian: &[f64], ranges: &[(f64, f64)]) {
-        let dof = self.q.len();
-        let (x, y) = jacobian.split_at(dof);
-        let mut free: Vec<bool> = ranges.iter().map(|(lower, upper)| upper > lower).collect();
-        let mut steps = vec![0.0; dof];
-        // Joints at a limit that would go further stay; the others do their part.
-        for _ in 0..2 {
-            let mut gram = Matrix2::zeros();
-            for j in (0..dof).filter(|&j| free[j]) {
-                let weight = (ranges[j].1 - ranges[j].0).powi(2);
-                let column = Vector2::new(x[j], y[j]);
-                gram += column * column.transpose() * weight;
-            }
-            // A little damping where no joint moves the CoP.
-            let damping = 1e-6 * gram.trace() + f64::MIN_POSITIVE;
-            let Some(inverse) = (gram + Matrix2::identity() * damping).try_inverse() else {
-                return;
-            };
-            let pull = inverse * miss;
-            for j in 0..dof {
-                let (lower, upper) = ranges[j];
-                let step = (upper - lower).powi(2) * (x[j] * pull.x + y[j] * pull.y);
-                let moves = free[j] && step.is_finite();
-                steps[j] = if moves { step } else { 0.0 };
-            }
-            for j in 0..dof {
-                free[j] &= !is_stuck(self.q[j], steps[j], ranges[j]);
-            }
-        }
-        stride(&mut self.q, &steps, ranges);
-    }
-}
-
 /// What became of the draws, and which demand to relax.
 pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Message {
     let tree = &scene.model.tree;
@@ -322,18 +581,17 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
         collision_free,
         ..
     } = counts;
-    let support = &tree.links[tree.support].name;
+    let support = scene.model.support();
+    let wide_enough = wide_enough(request, counts);
     let numbers = format!(
         "of {drawn} postures drawn, {balanced} balance on `{support}`, {clear} of them keep clear of \
          the ground, {collision_free} of these of themselves; {} are wanted",
         request.poses
     );
     let remedy = if *balanced < request.poses.max(drawn / 1000) {
-        let miss = match counts.nearest_miss {
-            Some(miss) if miss.is_finite() && *balanced == 0 => {
-                format!(", the best one misses by {:.1} mm", 1e3 * miss)
-            }
-            _ => String::new(),
+        let miss = match wide_enough.map(|(miss, _)| miss) {
+            Some(miss) => format!(", the best one misses by {:.1} mm", 1e3 * miss),
+            None => String::new(),
         };
         let strict = format!(
             "the CoP must stay within {}, by {} standard deviations ({:.1} mm each on average){miss}",
@@ -341,7 +599,7 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
             request.sigmas,
             1e3 * counts.cop_std,
         );
-        let enough = wide_enough(request, counts).map_or_else(String::new, |half| {
+        let enough = wide_enough.map_or_else(String::new, |(_, half)| {
             format!(" ({half} lets a tenth of them balance, where the foot is so large)")
         });
         message![
@@ -387,18 +645,67 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
     remedy.after(&format!("{numbers}\n  "))
 }
 
-/// Half the side of a square that lets a tenth of the draws balance, whole cm in m; none where
-/// some balance, or where both feet carry.
-fn wide_enough(request: &Request, counts: &Counts) -> Option<f64> {
-    let mut misses = counts.misses.clone();
-    misses.retain(|miss| miss.is_finite());
-    if counts.balanced > 0 || misses.is_empty() {
-        return None;
-    }
+/// How far the best draw is out, and half the side of a square that lets a tenth of the draws
+/// balance, whole cm in m; none where some balance, or where both feet carry.
+fn wide_enough(request: &Request, counts: &Counts) -> Option<(f64, f64)> {
+    let finite = counts
+        .misses
+        .iter()
+        .copied()
+        .filter(|miss| miss.is_finite());
+    let mut misses: Vec<f64> = finite.collect();
     misses.sort_by(f64::total_cmp);
-    let miss = misses[misses.len() / 10];
+    let nearest = misses.first().filter(|_| counts.balanced == 0)?;
     let ends = request.region.bounds();
     let half = ends.iter().flat_map(|(low, high)| [low.abs(), high.abs()]);
-    let half = half.fold(0.0, f64::max) + miss;
-    Some((1e2 * half).ceil() / 1e2)
+    let half = half.fold(0.0, f64::max) + misses[misses.len() / 10];
+    Some((*nearest, (1e2 * half).ceil() / 1e2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::Robot;
+
+    fn model(shape: &str) -> (Model, Geometry) {
+        let urdf = format!(
+            r#"<robot name="r"><link name="foot"/>
+            <link name="leg"><inertial><origin xyz="0 0 0.3"/><mass value="1"/></inertial>{shape}</link>
+            <link name="tip"><inertial><mass value="1"/></inertial></link>
+            <joint name="ankle" type="continuous"><parent link="foot"/><child link="leg"/><axis xyz="0 1 0"/></joint>
+            <joint name="top" type="continuous"><parent link="leg"/><child link="tip"/><origin xyz="0 0 1"/>
+              <axis xyz="0 1 0"/></joint></robot>"#
+        );
+        let robot = Robot::parse(&urdf, "r.urdf").unwrap();
+        let model = robot
+            .model("foot", sesc_model::Snapping::default(), None)
+            .unwrap();
+        (model, Geometry::read(&robot.description, None))
+    }
+
+    #[test]
+    fn points_and_shapes_are_measured_from_the_sole() {
+        let (plain, geometry) = model("");
+        let clearance = Clearance::new(&plain, &geometry, 0.005, None);
+        assert_eq!((clearance.by_shapes, clearance.by_points), (0, 2));
+        let bodies = poses::bodies(&plain.chain.bodies, &[0.0, 0.0]);
+        // The ankle lies on the ground and is the foot's; the CoM of the leg is next.
+        let (z, link) = clearance.lowest(&bodies).unwrap();
+        assert!((z - 0.3).abs() < 1e-15 && plain.tree.links[link].name == "leg");
+        let bodies = poses::bodies(&plain.chain.bodies, &[2.0, 0.0]);
+        let (z, _) = clearance.lowest(&bodies).unwrap();
+        assert!((z - 2f64.cos()).abs() < 1e-15);
+
+        let cylinder = r#"<collision><origin xyz="0 0 0.5"/><geometry>
+            <cylinder radius="0.1" length="0.8"/></geometry></collision>"#;
+        let (solid, geometry) = model(cylinder);
+        let clearance = Clearance::new(&solid, &geometry, 0.005, None);
+        assert_eq!((clearance.by_shapes, clearance.by_points), (1, 1));
+        let bodies = poses::bodies(&solid.chain.bodies, &[0.0, 0.0]);
+        assert!((clearance.lowest(&bodies).unwrap().0 - 0.1).abs() < 1e-15);
+        let q = 1.0f64;
+        let bodies = poses::bodies(&solid.chain.bodies, &[q, 0.0]);
+        let expected = 0.5 * q.cos() - 0.4 * q.cos() - 0.1 * q.sin();
+        assert!((clearance.lowest(&bodies).unwrap().0 - expected).abs() < 1e-15);
+    }
 }

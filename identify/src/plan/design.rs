@@ -31,43 +31,46 @@
 //! does. Prismatic joints count a metre as a radian. Only postures are planned;
 //! the way between two of them is not checked for balance or collisions.
 
-use std::ops::ControlFlow;
-
 use nalgebra::{Cholesky, DMatrix, Matrix2};
 use rand::SeedableRng as _;
 use rand::seq::index;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
+use crate::Error;
 use crate::svd::svd;
 
 /// ε where there is no prior: the information of a millionth of a posture.
 const RIDGE: f64 = 1e-6;
 
 /// Candidates in whitened coordinates.
-pub struct WhitenedRows {
+pub(super) struct WhitenedRows {
     /// Column 2k + axis is that row of a_k.
     columns: DMatrix<f64>,
     ridge: f64,
 }
 
 /// Which candidates were chosen, and what that gained.
-pub struct Choice {
+pub(super) struct Choice {
     /// The chosen candidates, in the order of choice.
     pub chosen: Vec<usize>,
     /// log det of M / ε after the greedy choice, then after every round of exchanges.
     pub log_det: Vec<f64>,
     /// Exchanges that improved the greedy choice.
     pub exchanges: usize,
-    /// tr(G_k)/2 of all candidates: variances in units of σ².
-    pub variances: Vec<f64>,
-    /// Their mean before and after every greedy step.
+    /// Mean of tr(G_k)/2 over all candidates, a variance in units of σ².
+    pub variance: f64,
+    /// The same before and after every greedy step.
     pub greedy: Vec<f64>,
 }
 
 impl WhitenedRows {
     /// `regressor`: φᵀ as columns, two per candidate; `prior`: S.
-    pub fn with_prior(regressor: &DMatrix<f64>, prior: &DMatrix<f64>, sigma: f64) -> WhitenedRows {
+    pub(super) fn with_prior(
+        regressor: &DMatrix<f64>,
+        prior: &DMatrix<f64>,
+        sigma: f64,
+    ) -> WhitenedRows {
         WhitenedRows {
             columns: prior.tr_mul(regressor) / sigma,
             ridge: 1.0,
@@ -75,7 +78,7 @@ impl WhitenedRows {
     }
 
     /// Without a prior, in the directions that the candidates see.
-    pub fn free(regressor: &DMatrix<f64>, unseen: f64) -> WhitenedRows {
+    pub(super) fn free(regressor: &DMatrix<f64>, unseen: f64) -> WhitenedRows {
         let count = (regressor.ncols() / 2).max(1) as f64;
         // R of the candidates' QR factors: the Gram matrix would lose half the digits.
         let r = regressor.transpose().qr().r();
@@ -97,18 +100,24 @@ impl WhitenedRows {
     }
 
     /// Candidates.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.columns.ncols() / 2
     }
 
     /// Directions there are to tell.
-    pub fn directions(&self) -> usize {
+    pub(super) fn directions(&self) -> usize {
         self.columns.nrows()
     }
 
-    /// Choose `n` of the candidates; `progress` hears of every posture looked at, and
-    /// may end the search.
-    pub fn choose(&self, n: usize, mut progress: impl FnMut(u64) -> ControlFlow<()>) -> Choice {
+    /// Choose `n` of the candidates; `progress` hears of every posture looked at.
+    ///
+    /// # Errors
+    /// Those of `progress`.
+    pub(super) fn choose(
+        &self,
+        n: usize,
+        mut progress: impl FnMut() -> Result<(), Error>,
+    ) -> Result<Choice, Error> {
         let mut state = State::new(self);
         let mut chosen = Vec::with_capacity(n);
         let mut log_det = 0.0;
@@ -116,16 +125,14 @@ impl WhitenedRows {
         for _ in 0..n.min(self.len()) {
             let best = state.best();
             log_det += state.gain(best);
-            state.add(best);
+            state.update(best, 1.0);
             chosen.push(best);
             greedy.push(state.mean_variance());
-            if progress(1).is_break() {
-                break;
-            }
+            progress()?;
         }
         let mut steps = vec![log_det];
         let mut exchanges = 0;
-        'rounds: while steps.len() <= 50 && chosen.len() < self.len() {
+        while steps.len() <= 50 && chosen.len() < self.len() {
             // Rounding of many updates does not add up.
             state.refresh(&chosen);
             let before = exchanges;
@@ -133,21 +140,19 @@ impl WhitenedRows {
                 let old = *slot;
                 let (kept, values) = (state.inverse.clone(), state.gains.clone());
                 let lost = state.loss(old);
-                state.take(old);
+                state.update(old, -1.0);
                 let best = state.best();
                 let gained = state.gain(best);
                 if best == old || gained <= lost + 1e-9 {
                     (state.inverse, state.gains) = (kept, values);
                     state.used[old] = true;
                 } else {
-                    state.add(best);
+                    state.update(best, 1.0);
                     *slot = best;
                     log_det += gained - lost;
                     exchanges += 1;
                 }
-                if progress(1).is_break() {
-                    break 'rounds;
-                }
+                progress()?;
             }
             let gain = log_det - steps[steps.len() - 1];
             steps.push(log_det);
@@ -156,23 +161,23 @@ impl WhitenedRows {
             }
         }
         state.refresh(&chosen);
-        Choice {
+        Ok(Choice {
             chosen,
             log_det: steps,
             exchanges,
-            variances: state.gains.iter().map(|g| g.trace() / 2.0).collect(),
+            variance: state.mean_variance(),
             greedy,
-        }
+        })
     }
 
     /// Σ aᵀ a of all candidates.
-    pub fn gram(&self) -> DMatrix<f64> {
+    pub(super) fn gram(&self) -> DMatrix<f64> {
         &self.columns * self.columns.transpose()
     }
 
     /// Mean of tr(G)/2 over all candidates, whose [`gram`](Self::gram) this is, with
     /// only these chosen.
-    pub fn mean_variance(&self, chosen: &[usize], gram: &DMatrix<f64>) -> f64 {
+    pub(super) fn mean_variance(&self, chosen: &[usize], gram: &DMatrix<f64>) -> f64 {
         self.inverse(chosen).dot(gram) / self.columns.ncols().max(1) as f64
     }
 
@@ -251,18 +256,9 @@ impl<'r> State<'r> {
         best.0
     }
 
-    fn add(&mut self, k: usize) {
-        self.update(k, 1.0);
-        self.used[k] = true;
-    }
-
-    fn take(&mut self, k: usize) {
-        self.update(k, -1.0);
-        self.used[k] = false;
-    }
-
-    /// M + sign · a_kᵀ a_k.
+    /// M + sign · a_kᵀ a_k: take a candidate in or out.
     fn update(&mut self, k: usize, sign: f64) {
+        self.used[k] = sign > 0.0;
         let columns = &self.rows.columns;
         let core = Matrix2::identity() + self.gains[k] * sign;
         let core = core.try_inverse().unwrap_or_else(Matrix2::zeros) * sign;
@@ -295,7 +291,7 @@ pub struct Efficiency {
 /// The curve up to the postures chosen; `noise` is that of a reading, m.
 ///
 /// Without a prior it begins where postures can tell all directions.
-pub(crate) fn curve(
+pub(super) fn curve(
     rows: &WhitenedRows,
     choice: &Choice,
     noise: f64,
@@ -320,30 +316,21 @@ pub(crate) fn curve(
         .map(|_| index::sample(&mut rng, rows.len(), all).into_vec())
         .collect();
     let point = |postures: usize, variance: f64| {
-        let error = |chosen: &Vec<usize>| {
-            let variance = rows.mean_variance(&chosen[..postures], &gram);
-            noise * variance.sqrt()
-        };
+        let std = |chosen: &Vec<usize>| rows.mean_variance(&chosen[..postures], &gram).sqrt();
         Efficiency {
             postures,
             planned: noise * variance.sqrt(),
-            random: mean(&drawn.iter().map(error).collect::<Vec<f64>>()),
+            random: noise * drawn.iter().map(std).sum::<f64>() / drawn.len() as f64,
         }
     };
     let steps = (all - least).min(POINTS - 1);
     let at = |k: usize| least + (all - least) * k / steps.max(1);
     let before = (0..steps).map(|k| point(at(k), choice.greedy[at(k)]));
-    before
-        .chain([point(all, mean(&choice.variances))])
-        .collect()
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
+    before.chain([point(all, choice.variance)]).collect()
 }
 
 /// Indices of postures `q[k * dof + joint]` in a short order.
-pub fn short_order(q: &[f64], dof: usize) -> Vec<usize> {
+pub(crate) fn short_order(q: &[f64], dof: usize) -> Vec<usize> {
     let n = q.len() / dof.max(1);
     let posture = |k: usize| &q[k * dof..(k + 1) * dof];
     let from_rest = |k: usize| distance(posture(k), &vec![0.0; dof]);
@@ -391,7 +378,7 @@ fn untangle(order: &mut [usize], between: &impl Fn(usize, usize) -> f64) -> bool
 }
 
 /// Length of the way through postures in this order.
-pub fn way(q: &[f64], dof: usize, order: &[usize]) -> f64 {
+pub(super) fn way(q: &[f64], dof: usize, order: &[usize]) -> f64 {
     let posture = |k: usize| &q[k * dof..(k + 1) * dof];
     let steps = order.windows(2);
     let way = |pair: &[usize]| distance(posture(pair[0]), posture(pair[1]));
@@ -436,7 +423,7 @@ mod tests {
                 WhitenedRows::with_prior(&regressor, &prior, 0.3),
                 WhitenedRows::free(&regressor, 1e-10),
             ] {
-                let choice = rows.choose(4, |_| ControlFlow::Continue(()));
+                let choice = rows.choose(4, || Ok(())).unwrap();
                 let found = log_det(&rows, &choice.chosen);
                 let last = choice.log_det[choice.log_det.len() - 1];
                 assert!((found - last).abs() < 1e-6 * found.abs(), "{found} {last}");
@@ -448,10 +435,8 @@ mod tests {
                     }
                 }
                 assert!(found > best - 0.02 * best.abs(), "{found} of {best}");
-                let mean: f64 = choice.variances.iter().sum::<f64>() / 9.0;
-                assert!(
-                    (mean - rows.mean_variance(&choice.chosen, &rows.gram())).abs() < 1e-9 * mean
-                );
+                let mean = rows.mean_variance(&choice.chosen, &rows.gram());
+                assert!((mean - choice.variance).abs() < 1e-9 * mean);
             }
         }
 
@@ -460,7 +445,7 @@ mod tests {
             let regressor = regressor(200);
             let rows = WhitenedRows::free(&regressor, 1e-10);
             assert_eq!(rows.directions(), 4);
-            let choice = rows.choose(20, |_| ControlFlow::Continue(()));
+            let choice = rows.choose(20, || Ok(())).unwrap();
             assert!(choice.log_det.windows(2).all(|pair| pair[1] >= pair[0]));
             let mut sorted = choice.chosen.clone();
             sorted.sort_unstable();
@@ -469,7 +454,7 @@ mod tests {
             let first: Vec<usize> = (0..20).collect();
             let of = |chosen: &[usize]| rows.mean_variance(chosen, &rows.gram());
             assert!(of(&choice.chosen) < 0.8 * of(&first));
-            let all = rows.choose(500, |_| ControlFlow::Continue(()));
+            let all = rows.choose(500, || Ok(())).unwrap();
             assert_eq!(all.chosen.len(), 200);
         }
 
@@ -484,13 +469,9 @@ mod tests {
     }
 
     mod efficiency {
-        use std::ops::ControlFlow;
-
         use nalgebra::DMatrix;
 
         use super::*;
-
-        const CONTINUE: ControlFlow<()> = ControlFlow::Continue(());
 
         fn regressor() -> DMatrix<f64> {
             DMatrix::from_fn(4, 120, |i, j| {
@@ -502,7 +483,7 @@ mod tests {
         fn a_curve_falls_from_the_prior_to_the_plan() {
             let prior = DMatrix::identity(4, 4) * 0.5;
             let rows = WhitenedRows::with_prior(&regressor(), &prior, 0.3);
-            let choice = rows.choose(24, |_| CONTINUE);
+            let choice = rows.choose(24, || Ok(())).unwrap();
             let curve = curve(&rows, &choice, 0.3, 1, true);
             assert_eq!(curve.len(), POINTS);
             assert!(curve.windows(2).all(|w| w[1].postures > w[0].postures
@@ -517,7 +498,7 @@ mod tests {
             assert_eq!(last.postures, 24);
             assert!(curve[1..].iter().all(|point| point.planned < point.random));
             // Greedy steps say what the chosen ones alone would.
-            let prefix = rows.choose(5, |_| CONTINUE).greedy;
+            let prefix = rows.choose(5, || Ok(())).unwrap().greedy;
             assert_eq!(prefix, choice.greedy[..=5]);
         }
 
@@ -525,7 +506,7 @@ mod tests {
         fn without_a_prior_it_begins_where_all_is_told() {
             let rows = WhitenedRows::free(&regressor(), 1e-10);
             let of = |postures: usize| {
-                let choice = rows.choose(postures, |_| CONTINUE);
+                let choice = rows.choose(postures, || Ok(())).unwrap();
                 curve(&rows, &choice, 0.3, 1, false)
             };
             assert!(of(1).is_empty());

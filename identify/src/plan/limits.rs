@@ -10,10 +10,10 @@
 //! Lines that begin with `#` are comments.
 
 use std::collections::HashMap;
-use std::io::{Cursor, Read};
 use std::path::Path;
 
 use csv::StringRecord;
+use nalgebra::{SMatrix, SVector};
 use sesc_model::files;
 use sesc_model::spelling::nearest;
 use sesc_model::tree::Dof;
@@ -54,8 +54,7 @@ impl Limits {
         let file = path.display().to_string();
         let failed = |source| Error::read(&file, source);
         let text = files::read_text(path, files::SETTINGS).map_err(failed)?;
-        // Lines count as an editor counts them, also those that Windows ends.
-        Limits::parse(text.replace("\r\n", "\n").as_bytes(), &file, dofs)
+        Limits::parse(&text, &file, dofs)
     }
 
     /// Those of the URDF, narrowed by `asked`: joints with lower and upper limit, rad or m.
@@ -72,8 +71,7 @@ impl Limits {
         };
         let mut limits = Limits::of_urdf(dofs);
         for (name, (lower, upper)) in asked {
-            let joint = dofs.iter().position(|dof| dof.joint == name);
-            let joint = joint.ok_or_else(|| bad(unknown(name, dofs)))?;
+            let joint = place(name, dofs).map_err(bad)?;
             if !(lower.is_finite() && upper.is_finite()) {
                 let said = format!("joint `{name}`: {lower} to {upper} is no range; give numbers");
                 return Err(bad(said));
@@ -106,46 +104,34 @@ impl Limits {
         Ok(kept == range)
     }
 
-    fn parse(input: impl Read, file: &str, dofs: &[Dof]) -> Result<Limits, Error> {
-        let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .flexible(true)
-            .has_headers(false)
-            // The line below a record is only known where the record ends with one.
-            .from_reader(input.chain(Cursor::new(b"\n")));
-        let mut header = None;
+    fn parse(text: &str, file: &str, dofs: &[Dof]) -> Result<Limits, Error> {
         let mut limits = Limits::of_urdf(dofs);
-        let mut lines: HashMap<&str, u64> = HashMap::new();
+        let mut columns = None;
+        let mut lines: HashMap<usize, u64> = HashMap::new();
         let mut wider = Vec::new();
-        let mut record = StringRecord::new();
-        loop {
-            let more = reader.read_record(&mut record);
-            let line = reader.position().line().saturating_sub(1).max(1);
+        for (line, text) in (1..).zip(text.trim_start_matches('\u{feff}').lines()) {
             let bad = |message: String| Error::log(file, Some(line), message);
-            if !more.map_err(|error| bad(format!("no CSV ({error}); give a line per joint")))? {
-                break;
-            }
-            let Some(columns) = &header else {
-                header = Some(Columns::of(&record).map_err(bad)?);
+            let Some(cells) = cells(text) else {
                 continue;
             };
-            let name = record.get(columns.joint).unwrap_or("");
-            let joint = dofs.iter().position(|dof| dof.joint.trim() == name);
-            let joint = joint.ok_or_else(|| bad(unknown(name, dofs)))?;
-            if let Some(before) = lines.insert(dofs[joint].joint.trim(), line) {
+            let Some(columns) = &columns else {
+                columns = Some(Columns::of(&cells).map_err(bad)?);
+                continue;
+            };
+            let name = cells.get(columns.joint).unwrap_or("");
+            let joint = place(name, dofs).map_err(bad)?;
+            if let Some(before) = lines.insert(joint, line) {
                 return Err(bad(format!(
                     "joint `{name}` already has limits on line {before}; keep one line"
                 )));
             }
-            let (lower, upper) = columns.range(&record, &dofs[joint]).map_err(bad)?;
-            let range = (lower, upper);
+            let range = columns.range(&cells, &dofs[joint]).map_err(bad)?;
             if !limits.narrow(joint, range, &dofs[joint]).map_err(bad)? {
                 wider.push(dofs[joint].joint.trim());
             }
         }
         if lines.is_empty() {
-            let message = match header {
+            let message = match columns {
                 Some(_) => "holds no limits; add a line per joint",
                 None => NO_HEADER,
             };
@@ -176,6 +162,16 @@ impl Limits {
 const NO_HEADER: &str = "no header `joint,lower_deg,upper_deg` (or lower_rad,upper_rad; \
                          lower_m,upper_m for prismatic joints); the header says the unit";
 
+/// What a line holds; none of one that is empty or a comment.
+fn cells(line: &str) -> Option<StringRecord> {
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .has_headers(false)
+        .from_reader(line.as_bytes());
+    let record = reader.records().next()?.ok();
+    record.filter(|_| !line.starts_with('#'))
+}
+
 /// Where things are in a row.
 struct Columns {
     joint: usize,
@@ -186,11 +182,9 @@ struct Columns {
 impl Columns {
     fn of(header: &StringRecord) -> Result<Columns, String> {
         let at = |name: &str| {
-            let plain = |cell: &str| {
-                cell.trim_start_matches('\u{feff}')
-                    .eq_ignore_ascii_case(name)
-            };
-            header.iter().position(plain)
+            header
+                .iter()
+                .position(|cell| cell.eq_ignore_ascii_case(name))
         };
         let ends =
             |unit: &str| Some([at(&format!("lower_{unit}"))?, at(&format!("upper_{unit}"))?]);
@@ -204,24 +198,23 @@ impl Columns {
     /// Lower and upper limit of a row, rad or m.
     fn range(&self, row: &StringRecord, dof: &Dof) -> Result<(f64, f64), String> {
         let name = &dof.joint;
-        let filled = self.pairs.iter().zip(UNITS).filter_map(|(pair, unit)| {
+        let mut filled = self.pairs.iter().zip(UNITS).filter_map(|(pair, unit)| {
             let cells = (*pair)?.map(|k| row.get(k).unwrap_or(""));
             Some((cells, unit)).filter(|(cells, _)| cells.concat() != "")
         });
-        let filled: Vec<_> = filled.collect();
-        let (cells, (unit, prismatic, si)) = match filled[..] {
-            [one] => one,
-            [] => {
-                return Err(format!(
-                    "joint `{name}` has no limits on its line; give both"
-                ));
-            }
-            _ => return Err(format!("joint `{name}` has limits in two units; keep one")),
+        let Some((cells, (unit, prismatic, si))) = filled.next() else {
+            return Err(format!(
+                "joint `{name}` has no limits on its line; give both"
+            ));
         };
+        if filled.next().is_some() {
+            return Err(format!("joint `{name}` has limits in two units; keep one"));
+        }
         if prismatic != dof.prismatic {
-            let (is, right) = match dof.prismatic {
-                true => ("prismatic", "lower_m,upper_m"),
-                false => ("revolute", "lower_deg,upper_deg or lower_rad,upper_rad"),
+            let (is, right) = if dof.prismatic {
+                ("prismatic", "lower_m,upper_m")
+            } else {
+                ("revolute", "lower_deg,upper_deg or lower_rad,upper_rad")
             };
             return Err(format!(
                 "joint `{name}` is {is}, its limits are in {unit}; use columns {right}"
@@ -248,36 +241,57 @@ fn in_order(joint: &str, (lower, upper): (f64, f64)) -> Result<(), String> {
     ))
 }
 
-fn unknown(name: &str, dofs: &[Dof]) -> String {
-    let names: Vec<&str> = dofs.iter().map(|dof| dof.joint.as_str()).collect();
-    match nearest(name, "", names.iter().copied()) {
-        Some(near) => format!("no joint `{name}` moves by itself; did you mean `{near}`?"),
-        None => format!(
-            "no joint `{name}` moves by itself; those that do: {}",
-            list(&names)
-        ),
-    }
+/// Place of a joint among those that move by themselves.
+fn place(name: &str, dofs: &[Dof]) -> Result<usize, String> {
+    let names: Vec<&str> = dofs.iter().map(|dof| dof.joint.trim()).collect();
+    let found = names.iter().position(|own| *own == name.trim());
+    found.ok_or_else(|| {
+        let remedy = match nearest(name, "", names.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("those that do: {}", list(&names)),
+        };
+        format!("no joint `{name}` moves by itself; {remedy}")
+    })
 }
 
-/// Whether a joint at a limit would go further.
-pub(super) fn is_stuck(q: f64, step: f64, (lower, upper): (f64, f64)) -> bool {
-    (q <= lower && step < 0.0) || (q >= upper && step > 0.0)
-}
-
-/// Move joints by `steps`, which shrink together where one is too long, so that the direction
-/// stays.
-pub(super) fn stride(q: &mut [f64], steps: &[f64], ranges: &[(f64, f64)]) {
-    let longest = |(step, (lower, upper)): (&f64, &(f64, f64))| {
-        let moves = upper > lower;
-        if moves {
-            step.abs() / (upper - lower)
-        } else {
-            0.0
+/// Least motion, in parts of the ranges, that changes N equations by `wanted`; `slopes` has a row
+/// of each, joint by joint. So much `damping` holds what no joint moves.
+pub(super) fn move_by<const N: usize>(
+    q: &mut [f64],
+    wanted: [f64; N],
+    slopes: [&[f64]; N],
+    damping: f64,
+    ranges: &[(f64, f64)],
+) {
+    let squares = ranges.iter().map(|(lower, upper)| (upper - lower).powi(2));
+    let mut weights: Vec<f64> = squares.collect();
+    let mut steps = vec![0.0; q.len()];
+    // Joints at a limit that would go further stay; the others do their part.
+    for _ in 0..2 {
+        let column = |j: usize| SVector::<f64, N>::from_fn(|row, _| slopes[row][j]);
+        let mut gram = SMatrix::<f64, N, N>::zeros();
+        for (j, weight) in weights.iter().enumerate() {
+            gram += column(j) * column(j).transpose() * *weight;
         }
-    };
-    let worst = steps.iter().zip(ranges).map(longest).fold(0.0, f64::max);
+        let damping = damping * gram.trace() + f64::MIN_POSITIVE;
+        let Some(factor) = (gram + SMatrix::identity() * damping).cholesky() else {
+            return;
+        };
+        let pull = factor.solve(&SVector::from(wanted));
+        for (j, &(lower, upper)) in ranges.iter().enumerate() {
+            steps[j] = weights[j] * column(j).dot(&pull);
+            let stuck = (q[j] <= lower && steps[j] < 0.0) || (q[j] >= upper && steps[j] > 0.0);
+            if stuck || !steps[j].is_finite() {
+                weights[j] = 0.0;
+            }
+        }
+    }
+    // Steps shrink together where one is too long, so that the direction stays.
+    let parts = steps.iter().zip(ranges);
+    let parts = parts.map(|(step, (lower, upper))| step.abs() / (upper - lower));
+    let longest = parts.filter(|part| part.is_finite()).fold(0.0, f64::max);
     // A quarter of its range is the farthest a joint moves.
-    let scale = if worst > 0.25 { 0.25 / worst } else { 1.0 };
+    let scale = if longest > 0.25 { 0.25 / longest } else { 1.0 };
     for ((q, step), &(lower, upper)) in q.iter_mut().zip(steps).zip(ranges) {
         if step.is_finite() {
             *q = (*q + scale * step).clamp(lower, upper);
@@ -306,7 +320,7 @@ mod tests {
     }
 
     fn parse(text: &str) -> Result<Limits, Error> {
-        Limits::parse(text.as_bytes(), "l.csv", &dofs())
+        Limits::parse(text, "l.csv", &dofs())
     }
 
     #[test]

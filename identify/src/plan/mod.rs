@@ -14,42 +14,35 @@ mod collision;
 /// Without the feature `collision` no body is watched.
 #[cfg(not(feature = "collision"))]
 mod collision {
-    use sesc_model::Model;
-
-    use super::shapes::Geometry;
-    use crate::poses::Pose;
-
-    #[derive(Default)]
-    pub struct Collisions {
-        pub exempt: Vec<[String; 2]>,
+    pub(super) struct Collisions {
+        pub(super) exempt: Vec<[String; 2]>,
+        pub(super) is_checked: bool,
+        pub(super) sentence: String,
     }
 
     impl Collisions {
-        pub fn new(_: &Model, _: &Geometry, _: &[f64]) -> Collisions {
-            Collisions::default()
+        pub(super) fn new(
+            _: &sesc_model::Model,
+            _: &super::shapes::Geometry,
+            _: &[f64],
+        ) -> Collisions {
+            Collisions {
+                exempt: Vec::new(),
+                is_checked: false,
+                sentence: "not checked: built without the feature `collision`".to_string(),
+            }
         }
 
-        pub fn first(&self, _: &[Pose]) -> Option<(usize, usize)> {
+        pub(super) fn first(&self, _: &[crate::poses::Pose]) -> Option<(usize, usize)> {
             None
-        }
-
-        pub fn is_checked(&self) -> bool {
-            false
-        }
-
-        pub fn sentence(&self) -> String {
-            "not checked: built without the feature `collision`".to_string()
         }
     }
 }
 pub(crate) mod design;
 mod limits;
-pub(crate) mod region;
 mod report;
-pub(crate) mod scene;
 pub(crate) mod shapes;
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -58,15 +51,13 @@ use sesc_model::{Function, Model};
 
 pub use candidates::Counts;
 #[doc(hidden)]
-pub use candidates::sample;
+pub use candidates::{Scene, sample};
 pub use design::Efficiency;
 pub use limits::Limits;
-pub use region::Region;
 pub use report::{JointUse, Lesson, Motion, Plan, Revisits, TwoFeet};
 #[doc(hidden)]
-pub use scene::Scene;
-#[doc(hidden)]
 pub use shapes::Geometry;
+pub use shapes::Region;
 
 use crate::evaluate::Evaluator;
 use crate::feet::{Closure, Feet, of_many};
@@ -75,11 +66,9 @@ use crate::logs::{LogSource, Sidecar};
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::{UNSEEN, solve};
 use crate::robot::Robot;
-use crate::watch::{Watch, ask, stopped};
+use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
-use design::{Choice, WhitenedRows};
-use report::Known;
-use scene::BothFeet;
+use design::WhitenedRows;
 
 /// Plan postures.
 ///
@@ -109,7 +98,7 @@ use scene::BothFeet;
 pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     request.check()?;
     let model = &*request.model;
-    let known = Known::of(request, watch)?;
+    let (noise, visits) = report::known(request, watch)?;
     let dof = model.dof();
     if dof == 0 {
         return Err(Error::request(
@@ -118,43 +107,68 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     }
     let geometry = Geometry::read(&request.robot.description, request.folder.as_deref());
     let prior = request.prior.covariance_factor(model);
-    let scene = scene(request, &geometry, prior.as_ref())?;
+    if prior.as_ref().is_some_and(|s| s.ncols() == 0) {
+        return Err(Error::request(
+            "the prior leaves nothing to learn: its tolerances are zero",
+        ));
+    }
+    let other = request.feet.of(&Sidecar::default(), model)?;
+    let (limits, region) = (&request.limits, &request.region);
+    let mut scene = Scene::new(model, &geometry, limits, region, request.clearance, other);
+    scene.sigmas = request.sigmas;
+    // Without a prior the first postures would teach from nothing: from what CAD usually knows.
+    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
+    if let Some(uncertainty) = prior.clone().or_else(usual) {
+        scene.uncertainty = uncertainty;
+    }
     let both = scene.both_feet.as_ref();
     if let Some(note) = both.and_then(|feet| of_many(model, &feet.other)) {
         watch.note(&note);
     }
     let wanted = request.wanted();
-    let mut flow = ControlFlow::Continue(());
     let draws = 100_usize.saturating_mul(wanted);
     let (q, counts) = sample(&scene, request.seed, wanted, draws, |found| {
-        flow = ask(watch, "drawing candidates", found as u64, wanted as u64);
-        flow
-    });
-    stopped(flow)?;
-    if q.len() / dof < request.poses {
-        return Err(Error::request(candidates::shortage(
-            &scene, request, &counts,
-        )));
-    }
+        tell(watch, "drawing candidates", found as u64, wanted as u64)
+    })?;
     let count = q.len() / dof;
+    if count < request.poses {
+        let why = candidates::shortage(&scene, request, &counts);
+        return Err(Error::request(why));
+    }
 
     let params = model.base.params.len();
     let regressor = Evaluator::new(model, Function::RegressorCop).run(&q, count);
     let regressor = DMatrix::from_vec(params, 2 * count, regressor);
-    let noise = known.reading_std(request.noise);
     let rows = match &prior {
         Some(s) => WhitenedRows::with_prior(&regressor, s, noise),
         None => WhitenedRows::free(&regressor, UNSEEN),
     };
-    let choice = choose(&rows, request.poses, watch)?;
-    let (rank, condition_number) = conditioning(&regressor, &choice.chosen);
+    let mut looked = 0_u64;
+    let choice = rows.choose(request.poses, || {
+        looked += 1;
+        let round = request.poses as u64;
+        tell(
+            watch,
+            "choosing postures",
+            looked,
+            looked.div_ceil(round) * round,
+        )
+    })?;
+    let order = design::short_order(&some(&q, dof, &choice.chosen), dof);
+    let chosen: Vec<usize> = order.into_iter().map(|k| choice.chosen[k]).collect();
+    // Two rows of each of the chosen postures.
+    let columns: Vec<usize> = chosen.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
+    let own_rows = regressor.select_columns(&columns).transpose();
+    // As a fit of these postures will state them.
+    let mut factor = Factor::new(params);
+    let readings = 2 * chosen.len();
+    factor.push(&own_rows, &DVector::zeros(readings), &vec![1.0; readings]);
+    let solved = solve(&factor, 1.0, &DVector::zeros(params), None);
+    let (rank, condition_number) = (solved.rank, solved.condition_number);
     let told = prior.is_some() || rank >= rows.directions();
-    let chosen = ordered(&q, dof, &choice.chosen);
     let lessons = report::lessons(model, &regressor, &scene.uncertainty, noise, &chosen);
-    let mut curve = Vec::new();
-    if told {
-        curve = design::curve(&rows, &choice, noise, request.seed, prior.is_some());
-    }
+    let curve = told.then(|| design::curve(&rows, &choice, noise, request.seed, prior.is_some()));
+    let curve = curve.unwrap_or_default();
 
     let mut notes = geometry.notes.clone();
     notes.extend(request.limits.notes.iter().cloned());
@@ -176,7 +190,7 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     Ok(Plan {
         robot: model.tree.robot.clone(),
         hash: model.tree.hash.clone(),
-        support: model.tree.links[model.tree.support].name.clone(),
+        support: model.support().to_string(),
         poses: request.poses,
         cop_region: request.region.sentence(),
         sigmas: request.sigmas,
@@ -194,14 +208,21 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
             ordered: design::way(&q, dof, &chosen),
         },
         clearance: scene.clearance.sentence(),
-        collision: scene.collisions.sentence(),
-        collision_checked: scene.collisions.is_checked(),
+        collision: scene.collisions.sentence.clone(),
+        collision_checked: scene.collisions.is_checked,
         collision_exempt: scene.collisions.exempt.clone(),
         notes,
         corners: request.region.corners.clone(),
         margin: request.region.margin,
-        both_feet: both.map(|feet| soles(feet, model, &some(&q, dof, &chosen))),
-        revisits: report::revisits(request, &known, &rows_of(&regressor, &chosen)),
+        both_feet: both.map(|feet| {
+            let q = some(&q, dof, &chosen);
+            let closure = Closure::of(model, feet.other.clone(), &q, None);
+            TwoFeet {
+                other_foot: feet.other.name.clone(),
+                offsets: closure.precision(),
+            }
+        }),
+        revisits: report::revisits(request, visits, &own_rows),
         joints: report::joint_use(model, &request.limits, &q, &chosen),
         cop: chosen.iter().map(cop_of).collect(),
         log_det: choice.log_det,
@@ -213,78 +234,10 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     })
 }
 
-/// What postures have to respect: a robot that stands in spite of what `prior` leaves open.
-fn scene<'a>(
-    request: &'a Request,
-    geometry: &Geometry,
-    prior: Option<&DMatrix<f64>>,
-) -> Result<Scene<'a>, Error> {
-    let model = &*request.model;
-    if prior.is_some_and(|s| s.ncols() == 0) {
-        return Err(Error::request(
-            "the prior leaves nothing to learn: its tolerances are zero",
-        ));
-    }
-    let other = request.feet.of(&Sidecar::default(), model)?;
-    let (limits, region) = (&request.limits, &request.region);
-    let mut scene = Scene::new(model, geometry, limits, region, request.clearance, other);
-    scene.sigmas = request.sigmas;
-    // Without a prior the first postures would teach from nothing: from what CAD usually knows.
-    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
-    if let Some(uncertainty) = prior.cloned().or_else(usual) {
-        scene.uncertainty = uncertainty;
-    }
-    Ok(scene)
-}
-
-/// The `poses` candidates that tell most.
-fn choose(rows: &WhitenedRows, poses: usize, watch: &mut dyn Watch) -> Result<Choice, Error> {
-    let mut flow = ControlFlow::Continue(());
-    let (mut looked, poses_u64) = (0, poses as u64);
-    let choice = rows.choose(poses, |step| {
-        looked += step;
-        let rounds = looked.div_ceil(poses_u64);
-        flow = ask(watch, "choosing postures", looked, rounds * poses_u64);
-        flow
-    });
-    stopped(flow)?;
-    Ok(choice)
-}
-
-/// What the soles of the chosen postures `q` tell.
-fn soles(feet: &BothFeet, model: &Model, q: &[f64]) -> TwoFeet {
-    let closure = Closure::of(model, feet.other.clone(), q, None);
-    TwoFeet {
-        other_foot: feet.other.name.clone(),
-        offsets: closure.precision(),
-    }
-}
-
 /// Some of the postures `q`, one after the other.
 fn some(q: &[f64], dof: usize, chosen: &[usize]) -> Vec<f64> {
     let own = chosen.iter().flat_map(|&k| &q[k * dof..(k + 1) * dof]);
     own.copied().collect()
-}
-
-/// Rows of the chosen postures, two each, of a regressor's transpose.
-fn rows_of(regressor: &DMatrix<f64>, chosen: &[usize]) -> DMatrix<f64> {
-    let columns: Vec<usize> = chosen.iter().flat_map(|k| [2 * k, 2 * k + 1]).collect();
-    regressor.select_columns(&columns).transpose()
-}
-
-fn ordered(q: &[f64], dof: usize, chosen: &[usize]) -> Vec<usize> {
-    let order = design::short_order(&some(q, dof, chosen), dof);
-    order.into_iter().map(|k| chosen[k]).collect()
-}
-
-/// Rank and condition number of the chosen rows, as a fit will state them.
-fn conditioning(regressor: &DMatrix<f64>, chosen: &[usize]) -> (usize, f64) {
-    let rows = rows_of(regressor, chosen);
-    let n = rows.nrows();
-    let mut factor = Factor::new(regressor.nrows());
-    factor.push(&rows, &DVector::zeros(n), &vec![1.0; n]);
-    let found = solve(&factor, 1.0, &DVector::zeros(regressor.nrows()), None);
-    (found.rank, found.condition_number)
 }
 
 /// |CoP| in the seed paper's postures of the OP2, m.
@@ -356,29 +309,32 @@ impl Request {
     }
 
     /// Whether the numbers make sense.
-    pub(super) fn check(&self) -> Result<(), Error> {
-        let wrong = |setting: Setting, value: f64, remedy: &str| {
-            Error::request(message![setting, format!(" {value}: {remedy}")])
+    fn check(&self) -> Result<(), Error> {
+        let refused = |setting: Setting, remedy: String| {
+            let why = message![setting, remedy];
+            Err(Error::request(why))
         };
-        if !(self.noise.is_finite() && self.noise > 0.0) {
-            let remedy = "give a number above zero";
-            return Err(wrong(Setting::Noise, self.noise, remedy));
-        }
+        let more = "give a number, zero or more";
         let numbers = [
-            (Setting::Margin, self.region.margin),
-            (Setting::Sigmas, self.sigmas),
-            (Setting::Clearance, self.clearance),
+            (
+                Setting::Noise,
+                self.noise,
+                f64::MIN_POSITIVE,
+                "give a number above zero",
+            ),
+            (Setting::Margin, self.region.margin, 0.0, more),
+            (Setting::Sigmas, self.sigmas, 0.0, more),
+            (Setting::Clearance, self.clearance, 0.0, more),
         ];
-        for (setting, value) in numbers {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(wrong(setting, value, "give a number, zero or more"));
+        for (setting, value, least, remedy) in numbers {
+            if !(value.is_finite() && value >= least) {
+                return refused(setting, format!(" {value}: {remedy}"));
             }
         }
         let ranges = self.limits.ranges.iter();
-        let ranges = ranges.filter(|(lower, upper)| lower <= upper);
-        if ranges.count() != self.model.dof() {
+        if ranges.filter(|(lower, upper)| lower <= upper).count() != self.model.dof() {
             let remedy = ": give each joint a lower limit that is not above its upper one";
-            return Err(Error::request(message![Setting::Limits, remedy]));
+            return refused(Setting::Limits, remedy.to_string());
         }
         if let Some(candidates) = self.candidates.filter(|count| *count < self.poses) {
             let given = format!(" {candidates} for ");
@@ -390,8 +346,7 @@ impl Request {
             return Err(Error::request(why));
         }
         if self.poses == 0 {
-            let remedy = " 0: give one or more";
-            return Err(Error::request(message![Setting::Poses, remedy]));
+            return refused(Setting::Poses, " 0: give one or more".to_string());
         }
         Ok(())
     }

@@ -38,9 +38,9 @@ use super::limits::Limits;
 use crate::Error;
 use crate::NextStep;
 use crate::feet::{Offset, Places};
-use crate::logs::{LogSource, Options, PostureWriter, Readings, Row, Sidecar, Table};
+use crate::logs::{Options, PostureWriter, ROOM, Readings, Row, Samples, Sidecar};
 use crate::observations::noise::NoiseSource;
-use crate::observations::postures::{Postures, Taking, range};
+use crate::observations::postures::{Postures, range};
 use crate::observations::revisits::{COUNT, spread};
 use crate::watch::Watch;
 
@@ -133,17 +133,18 @@ impl TwoFeet {
     /// In a few words.
     pub fn sentence(&self) -> String {
         let worst = self.offsets.iter().max_by(|a, b| a.std.total_cmp(&b.std));
-        match worst {
-            Some(worst) => format!(
-                "both soles on the floor, `{}` the other: how it lies tells an offset of each of {} \
-                 joints, of `{}` worst (± {:.2}°)",
-                self.other_foot,
+        let told = worst.map_or(String::new(), |worst| {
+            format!(
+                ": how it lies tells an offset of each of {} joints, of `{}` worst (± {:.2}°)",
                 self.offsets.len(),
                 worst.joint,
                 worst.std.to_degrees()
-            ),
-            None => format!("both soles on the floor, `{}` the other", self.other_foot),
-        }
+            )
+        });
+        format!(
+            "both soles on the floor, `{}` the other{told}",
+            self.other_foot
+        )
     }
 }
 
@@ -172,18 +173,6 @@ impl Plan {
         format!("{clear}, {free} of these free of self-collision")
     }
 
-    /// The postures as a log in memory, those that come back included.
-    pub fn log(&self) -> LogSource {
-        let (poses, rows): (Vec<i64>, Vec<&[f64]>) = self.rows().unzip();
-        let table = Table::new("plan").integers("pose", poses);
-        let joints = self.joints.iter().enumerate();
-        let table = joints.fold(table, |table, (k, joint)| {
-            let values: Vec<f64> = rows.iter().map(|q| q[k]).collect();
-            table.numbers(&joint.joint, values)
-        });
-        LogSource::from(table).with_sidecar(self.sidecar())
-    }
-
     /// Write the postures as a log, those that come back included; gives back where its
     /// sidecar is.
     ///
@@ -210,7 +199,8 @@ impl Plan {
         numbers.map(move |pose| (pose, postures[pose as usize - 1]))
     }
 
-    fn sidecar(&self) -> Sidecar {
+    /// The sidecar of its file.
+    pub fn sidecar(&self) -> Sidecar {
         Sidecar {
             robot: Some(self.robot.clone()),
             support: Some(self.support.clone()),
@@ -307,22 +297,22 @@ pub(super) fn lessons(
     noise: f64,
     order: &[usize],
 ) -> Vec<Lesson> {
-    let steps = deviations(regressor, prior, noise, order);
-    let params = &model.base.params;
     let lesson = |pair: &[Vec<f64>]| {
-        let part = |k: &usize| pair[1][*k] / pair[0][*k];
-        let known = (0..params.len()).filter(|k| part(k).is_finite());
-        let best = known.min_by(|a, b| part(a).total_cmp(&part(b)))?;
+        let stds = pair[0].iter().zip(&pair[1]).zip(&model.base.params);
+        let falls = stds.map(|((before, after), param)| (after / before, *before, *after, param));
+        let known = falls.filter(|(part, ..)| part.is_finite());
+        let (_, before, after, param) = known.min_by(|a, b| a.0.total_cmp(&b.0))?;
         Some(Lesson {
-            parameter: params[best].name.clone(),
-            unit: match params[best].column {
+            parameter: param.name.clone(),
+            unit: match param.column {
                 Column::Prismatic { .. } => "1",
                 Column::Axis { .. } => "m",
             },
-            before: pair[0][best],
-            after: pair[1][best],
+            before,
+            after,
         })
     };
+    let steps = deviations(regressor, prior, noise, order);
     steps.windows(2).filter_map(lesson).collect()
 }
 
@@ -363,62 +353,40 @@ pub struct Revisits {
     pub sentence: String,
 }
 
-/// What a log says of the noise of postures to come.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Known {
-    /// Noise of a single reading within a visit, m; zero where visits are one reading each, whose
-    /// noise is part of what they differ by.
-    pub noise: Option<f64>,
-    /// What visits differ by, m; none where no posture was reached again.
-    pub visits: Option<f64>,
-}
-
-impl Known {
-    /// Look at the log of a request, if it has one.
-    pub fn of(request: &Request, watch: &mut dyn Watch) -> Result<Known, Error> {
-        let Some(log) = &request.log else {
-            return Ok(Known::default());
-        };
-        let (robot, model) = (&request.robot, &request.model);
-        let links = robot.description.link_names();
-        let taking = Taking {
-            options: Options {
-                readings: Readings::Required,
-                links: links.map(str::to_string).collect(),
-                support: Some(model.support().to_string()),
-                soles: Some(Places::of(robot, Snapping::default())),
-                both_feet: request.feet.said(),
-                ..Options::default()
-            },
-            noise: None,
-            floor: 0.0,
-        };
-        let data = Postures::read(log, model, &taking, watch)?;
-        let rows = data.summary.as_ref().map_or(1.0, |found| found.rows as f64);
-        let per_posture = (rows / data.postures.max(1) as f64).max(1.0);
-        let known = data.noise_source != NoiseSource::Residuals && data.noise > 0.0;
-        let single = known.then_some(data.noise * per_posture.sqrt());
-        let noise = match data.visits {
-            Some(visits) if visits.std > 0.0 => Some(visits.readings_std.unwrap_or(0.0)),
-            _ => single,
-        };
-        Ok(Known {
-            noise,
-            visits: data.visits.map(|visits| visits.std),
-        })
-    }
-
-    /// Standard deviation of a reading as it enters the fit, where `asked` is what it is unless
-    /// the log says it, m.
-    pub fn reading_std(&self, asked: f64) -> f64 {
-        let noise = self.noise.unwrap_or(asked);
-        noise.hypot(self.visits.unwrap_or(0.0))
-    }
+/// Standard deviation of a reading as it enters the fit, and what visits differ by, m: as the log
+/// of a request says it, if it has one; none of visits where no posture was reached again.
+pub(super) fn known(request: &Request, watch: &mut dyn Watch) -> Result<(f64, Option<f64>), Error> {
+    let Some(log) = &request.log else {
+        return Ok((request.noise, None));
+    };
+    let (robot, model) = (&request.robot, &request.model);
+    let links = robot.description.link_names();
+    let options = Options {
+        readings: Readings::Required,
+        links: links.map(str::to_string).collect(),
+        support: Some(model.support().to_string()),
+        soles: Some(Places::of(robot, Snapping::default())),
+        both_feet: request.feet.said(),
+        ..Options::default()
+    };
+    let samples = Samples::read(log, &robot.description, &options, ROOM, watch)?;
+    let data = Postures::read(&samples, model, (None, 0.0), watch)?;
+    let rows = data.summary.as_ref().map_or(1.0, |found| found.rows as f64);
+    let per_posture = (rows / data.postures.max(1) as f64).max(1.0);
+    let is_known = data.noise_source != NoiseSource::Residuals && data.noise > 0.0;
+    let single = match data.visits {
+        // Where visits are one reading each, its noise is part of what they differ by.
+        Some(visits) if visits.std > 0.0 => visits.readings_std.unwrap_or(0.0),
+        _ if is_known => data.noise * per_posture.sqrt(),
+        _ => request.noise,
+    };
+    let visits = data.visits.map(|visits| visits.std);
+    Ok((single.hypot(visits.unwrap_or(0.0)), visits))
 }
 
 /// Which of the chosen postures come back, spread over what their `rows` tell.
-pub(super) fn revisits(request: &Request, known: &Known, rows: &DMatrix<f64>) -> Revisits {
-    let usual = match known.visits {
+pub(super) fn revisits(request: &Request, visits: Option<f64>, rows: &DMatrix<f64>) -> Revisits {
+    let usual = match visits {
         Some(_) => 0,
         None => COUNT.min(request.poses / 2),
     };
@@ -427,7 +395,7 @@ pub(super) fn revisits(request: &Request, known: &Known, rows: &DMatrix<f64>) ->
     let poses: Vec<i64> = poses.collect();
     let written = request.revisits.is_some() && !poses.is_empty();
     let names: Vec<String> = poses.iter().map(i64::to_string).collect();
-    let sentence = match (poses.is_empty(), known.visits) {
+    let sentence = match (poses.is_empty(), visits) {
         (true, Some(visits)) => format!(
             "none: the log says that visits of one posture differ by {:.2} mm",
             1e3 * visits

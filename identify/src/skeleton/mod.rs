@@ -16,33 +16,14 @@
 
 use std::path::Path;
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use sesc_model::Model;
-use sesc_model::tree::{Dof, Motion};
+use sesc_model::chain::Body;
+use sesc_model::tree::Dof;
 use sesc_model::urdf::{Description, Inertial};
 
-use crate::plan::region::outline;
-use crate::plan::shapes::{Geometry, Solid};
+use crate::plan::shapes::{Geometry, Solid, at, outline};
 use crate::poses::{self, Pose};
-
-/// A group of links that moves as one.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Segment {
-    /// The joint that carries it; none of the body on the ground.
-    pub joint: Option<String>,
-    /// Index of the body towards the support.
-    pub parent: Option<usize>,
-    /// Orientation in the parent at θ = 0, row by row.
-    pub rotation: [[f64; 3]; 3],
-    /// The joint's point in the parent, m; the origin of the body.
-    pub anchor: [f64; 3],
-    /// How it moves.
-    pub motion: Motion,
-    /// kg
-    pub mass: f64,
-    /// Its CoM in the body, m.
-    pub com: [f64; 3],
-}
 
 /// What a capsule stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,7 +51,7 @@ pub struct Capsule {
 }
 
 /// A robot on its support, as it is drawn.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Skeleton {
     /// Name of the robot.
     pub robot: String,
@@ -81,7 +62,9 @@ pub struct Skeleton {
     /// Independent joints, in the order of postures.
     pub dofs: Vec<Dof>,
     /// Bodies; parents come first, the first one is on the ground.
-    pub bodies: Vec<Segment>,
+    pub bodies: Vec<Body>,
+    /// CoM of each in the body, m.
+    pub coms: Vec<[f64; 3]>,
     /// What is drawn of them.
     pub capsules: Vec<Capsule>,
     /// Places of links in their bodies, in document order; those beyond a cut are left out.
@@ -111,33 +94,24 @@ impl Skeleton {
     pub fn of(model: &Model, description: &Description, folder: Option<&Path>) -> Skeleton {
         let geometry = Geometry::read(description, folder);
         let tree = &model.tree;
-        let bodies = model.chain.bodies.iter().zip(masses(model));
-        let bodies = bodies.map(|(body, (mass, com))| Segment {
-            joint: body.joint.clone(),
-            parent: body.parent,
-            rotation: body.rotation(),
-            anchor: body.anchor(),
-            motion: body.motion,
-            mass,
-            com,
-        });
-        let bodies: Vec<Segment> = bodies.collect();
         Skeleton {
             robot: tree.robot.clone(),
             hash: tree.hash.clone(),
             support: tree.links[tree.support].name.clone(),
             dofs: tree.dofs.clone(),
-            capsules: of(model, description, &geometry, &bodies),
+            capsules: capsules(model, description, &geometry),
             sole: outline(model, &geometry),
-            links: links(model),
-            bodies,
+            links: poses::links(model)
+                .map(|(_, link, body, place)| (link.name.clone(), body, place))
+                .collect(),
+            bodies: model.chain.bodies.clone(),
+            coms: coms(model),
         }
     }
 
     /// The body that a link belongs to.
     pub fn body_of(&self, link: &str) -> Option<usize> {
-        let found = self.links.iter().find(|(name, ..)| name == link);
-        found.map(|(_, body, _)| *body)
+        self.in_body(link, [0.0; 3]).map(|(body, _)| body)
     }
 
     /// A point of a link (m) in its body.
@@ -148,20 +122,13 @@ impl Skeleton {
 
     /// The body that a joint carries.
     pub fn carried_by(&self, joint: &str) -> Option<usize> {
-        let carried = |body: &Segment| body.joint.as_deref() == Some(joint);
+        let carried = |body: &Body| body.joint.as_deref() == Some(joint);
         self.bodies.iter().position(carried)
     }
 
     /// The robot in posture `q`, rad or m; a joint that `q` is too short for stands at zero.
     pub fn place(&self, q: &[f64]) -> Placed<'_> {
-        let mut poses: Vec<Pose> = Vec::with_capacity(self.bodies.len());
-        for body in &self.bodies {
-            let own = poses::moved(&body.motion, &body.rotation, body.anchor, q);
-            poses.push(match body.parent {
-                Some(parent) => poses[parent].then(&own),
-                None => own,
-            });
-        }
+        let poses = poses::bodies(&self.bodies, q);
         Placed {
             skeleton: self,
             poses,
@@ -193,82 +160,60 @@ impl Placed<'_> {
 
     /// Centre of mass of the robot in the support frame, m.
     pub fn com(&self) -> [f64; 3] {
-        let (mut sum, mut mass) = (Vector3::zeros(), 0.0);
-        for (body, pose) in self.skeleton.bodies.iter().zip(&self.poses) {
-            sum += pose.point(&body.com.into()) * body.mass;
-            mass += body.mass;
-        }
-        if mass > 0.0 {
-            (sum / mass).into()
-        } else {
-            [0.0; 3]
-        }
+        let bodies = self.skeleton.bodies.iter().zip(&self.skeleton.coms);
+        let points = bodies.zip(&self.poses);
+        mean(points.map(|((body, com), pose)| (body.mass, pose.point(&(*com).into()))))
     }
 }
 
-fn links(model: &Model) -> Vec<(String, usize, Pose)> {
-    let all = model.tree.links.iter().enumerate();
-    all.filter_map(|(k, link)| {
-        let (body, place) = poses::of_link(model, k)?;
-        Some((link.name.clone(), body, place))
-    })
-    .collect()
+/// The mean of points, each with its weight; zero where nothing has any.
+fn mean(points: impl Iterator<Item = (f64, Vector3<f64>)>) -> [f64; 3] {
+    let none = (0.0, Vector3::zeros());
+    let (mass, sum) = points.fold(none, |all, (m, point)| (all.0 + m, all.1 + point * m));
+    if mass > 0.0 {
+        (sum / mass).into()
+    } else {
+        [0.0; 3]
+    }
 }
 
-/// Mass and CoM of each body, m.
-fn masses(model: &Model) -> Vec<(f64, [f64; 3])> {
-    let mut sums = vec![(0.0, Vector3::zeros()); model.chain.bodies.len()];
-    for (k, link) in model.tree.links.iter().enumerate() {
-        if let Some((body, place)) = poses::of_link(model, k) {
-            sums[body].0 += link.mass;
-            sums[body].1 += place.point(&link.com().into()) * link.mass;
-        }
+/// CoM of each body, m.
+fn coms(model: &Model) -> Vec<[f64; 3]> {
+    let mut links = vec![Vec::new(); model.chain.bodies.len()];
+    for (_, link, body, place) in poses::links(model) {
+        links[body].push((link.mass, place.point(&link.com().into())));
     }
-    let mean = |(mass, sum): (f64, Vector3<f64>)| {
-        if mass > 0.0 {
-            (mass, (sum / mass).into())
-        } else {
-            (0.0, [0.0; 3])
-        }
-    };
-    sums.into_iter().map(mean).collect()
+    links.into_iter().map(|own| mean(own.into_iter())).collect()
 }
 
 /// All capsules of a robot.
-pub(super) fn of(
-    model: &Model,
-    description: &Description,
-    geometry: &Geometry,
-    bodies: &[Segment],
-) -> Vec<Capsule> {
+fn capsules(model: &Model, description: &Description, geometry: &Geometry) -> Vec<Capsule> {
+    let bodies = &model.chain.bodies;
     let size = size(bodies);
     let mut capsules = Vec::new();
-    for (child, body) in bodies.iter().enumerate() {
-        let length = Vector3::from(body.anchor).norm();
+    for body in bodies {
+        let length = Vector3::from(body.anchor()).norm();
         let parent = body.parent.filter(|_| length > 0.01 * size);
         if let Some(parent) = parent {
             capsules.push(Capsule {
-                link: model.chain.bodies[child].name.clone(),
+                link: body.name.clone(),
                 body: parent,
                 part: Part::Bone,
-                ends: [[0.0; 3], body.anchor],
+                ends: [[0.0; 3], body.anchor()],
                 radius: 0.013 * size,
             });
         }
     }
-    for (k, link) in description.links.iter().enumerate() {
-        let Some((body, place)) = poses::of_link(model, k) else {
-            continue;
-        };
-        let shapes = geometry.shapes.iter().filter(|s| s.link == link.name);
-        let mut found: Vec<([Vector3<f64>; 2], f64)> = shapes
-            .map(|shape| of_solid(&shape.pose, &shape.solid))
+    for (k, link, body, place) in poses::links(model) {
+        let solids = geometry.on(&link.name, place);
+        let mut found: Vec<_> = solids
+            .map(|(pose, solid)| of_solid(&pose, &solid))
             .collect();
-        if found.is_empty() && link.inertial.mass_kg > 0.0 {
-            found.push(of_inertia(&link.inertial, 0.2 * size));
+        let inertial = &description.links[k].inertial;
+        if found.is_empty() && inertial.mass_kg > 0.0 {
+            found.push(of_inertia(&place, inertial, 0.2 * size));
         }
         for (ends, radius) in found {
-            let ends = ends.map(|end| place.point(&end));
             capsules.push(Capsule {
                 link: link.name.clone(),
                 body,
@@ -292,11 +237,11 @@ fn above_ground(ends: [Vector3<f64>; 2], radius: f64) -> f64 {
 }
 
 /// How far joints are apart at most, along the chain, m.
-fn size(bodies: &[Segment]) -> f64 {
+fn size(bodies: &[Body]) -> f64 {
     let mut reach: Vec<f64> = Vec::new();
     for body in bodies {
         let before = body.parent.map_or(0.0, |parent| reach[parent]);
-        reach.push(before + Vector3::from(body.anchor).norm());
+        reach.push(before + Vector3::from(body.anchor()).norm());
     }
     let longest = reach.iter().copied().fold(0.0, f64::max);
     if longest > 0.0 { longest } else { 0.1 }
@@ -328,10 +273,9 @@ fn line_along(pose: &Pose, half: Vector3<f64>) -> [Vector3<f64>; 2] {
     [pose.point(&-half), pose.point(&half)]
 }
 
-fn of_inertia(inertial: &Inertial, most: f64) -> ([Vector3<f64>; 2], f64) {
+fn of_inertia(place: &Pose, inertial: &Inertial, most: f64) -> ([Vector3<f64>; 2], f64) {
     let mass = inertial.mass_kg;
-    let [roll, pitch, yaw] = inertial.origin.rpy;
-    let frame = *Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
+    let frame = place.then(&at(&inertial.origin));
     let [xx, xy, xz, yy, yz, zz] = inertial.inertia;
     let eigen = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigen();
     let total = eigen.eigenvalues.sum();
@@ -339,8 +283,8 @@ fn of_inertia(inertial: &Inertial, most: f64) -> ([Vector3<f64>; 2], f64) {
         .eigenvalues
         .map(|own| (1.5 / mass * (total - 2.0 * own)).max(0.0).sqrt().min(most));
     let pose = Pose {
-        rotation: frame * eigen.eigenvectors,
-        origin: inertial.origin.xyz.into(),
+        rotation: frame.rotation * eigen.eigenvectors,
+        ..frame
     };
     let (ends, radius) = along(&pose, half);
     if radius > 0.0 && radius.is_finite() {

@@ -1,6 +1,7 @@
 //! Drawn robots stand where the reference has them.
 
 use sesc_model::Snapping;
+use sesc_model::tree::Motion;
 
 use super::*;
 use crate::robot::{Robot, reference};

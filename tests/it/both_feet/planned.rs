@@ -60,7 +60,7 @@ fn planned_postures_keep_both_soles_on_the_floor() {
                 (low.min(*share), high.max(*share))
             });
         assert!(low < 0.3 && high > 0.7, "shares {low:.2} to {high:.2}");
-        let (sidecar, _) = found.log().sidecar().unwrap();
+        let sidecar = found.sidecar();
         assert_eq!(
             (sidecar.both_feet, sidecar.other_foot.as_deref()),
             (Some(true), Some(feet.other_foot.as_str()))

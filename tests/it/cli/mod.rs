@@ -122,8 +122,16 @@ fn every_command_helps_with_an_example() {
         let is_shown = |title| text.contains(&format!("{title}:\n  sesc {command}"));
         assert!(is_shown("Example") || is_shown("Examples"), "{text}");
         if ["predict", "fit", "diagnose"].contains(&command) {
-            let columns = sesc_identify::logs::columns_text();
+            let columns = sesc::cli::columns_text();
             assert!(text.contains(&columns), "{text}");
+            assert!(columns.lines().all(|line| line.chars().count() <= 98));
+            // Lines are broken where a meaning is long.
+            let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+            for column in sesc_identify::logs::COLUMNS {
+                let names = column.names.join(", ");
+                let said = format!("{names} {} {}", column.unit, column.meaning);
+                assert!(words(&columns).contains(&words(&said)), "{said}");
+            }
         }
     }
 }

@@ -33,3 +33,20 @@ fn faults_of_standard_input_say_so() {
     folder.write("-", folder.read("op2.urdf"));
     folder.stdout("inspect ./- --support r_sole");
 }
+
+/// `<(zcat log.csv.gz)` in the place of a log, which is read more than once.
+#[test]
+fn a_log_from_a_pipe_gives_what_its_file_gives() {
+    let folder = Folder::with_log("--poses 60");
+    for (command, key) in [("fit", "parameters"), ("diagnose", "baseline")] {
+        let line = |log: &str| format!("{command} op2.urdf --data {log} --support r_sole --json");
+        let found = |json: String| {
+            let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+            found[key].clone()
+        };
+        let of_file = found(folder.stdout(&line("log.csv")));
+        assert!(!of_file.is_null());
+        let piped = stdout(&folder.piped(&line("/dev/stdin"), "log.csv"));
+        assert_eq!(found(piped), of_file, "{command}");
+    }
+}

@@ -5,4 +5,3 @@ mod asking;
 mod contract;
 mod next;
 mod outputs;
-mod recording;

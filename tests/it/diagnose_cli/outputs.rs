@@ -53,20 +53,11 @@ pub fn told(truth: Vec<Hidden>) -> Told {
         "[default]\nmass = 0.0\ncom = 0.0\n",
     );
     let path = |name: &str| folder.path().join(name).display().to_string();
-    let [model, urdf, report, next, mcap] = [
-        "model.toml",
-        "corrected.urdf",
-        "report.html",
-        "next.csv",
-        "told.mcap",
-    ]
-    .map(path);
-    let mut outputs = vec![
+    let [model, urdf, report, next] =
+        ["model.toml", "corrected.urdf", "report.html", "next.csv"].map(path);
+    let outputs = [
         "--out", &model, "--urdf", &urdf, "--report", &report, "--next", &next,
     ];
-    if cfg!(feature = "mcap") {
-        outputs.extend(["--mcap", &mcap]);
-    }
     let said = diagnose(
         &log,
         &[&["--no-snap", "--prior", &prior][..], &outputs].concat(),

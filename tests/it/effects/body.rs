@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use sesc_identify::evaluate::Evaluator;
 use sesc_model::effects::Catalog;
+use sesc_model::tape::Values;
 use sesc_model::{Function, Given};
 use sesc_reference::{GRAVITY, World};
 
@@ -86,7 +87,7 @@ fn compare(stand: &Stand, hidden: &[Hidden], given: Given) -> Option<[f64; 3]> {
     let jacobian = of(Function::ComJacobian)?;
     let moments = of(Function::GravityMoments)?;
     let rates: Vec<f64> = (0..model.dof()).map(|j| 1.0 / (1.0 + j as f64)).collect();
-    let velocity = of(Function::ComVelocity)?.moving(&rates, &[]);
+    let velocity = of(Function::ComVelocity)?;
     let mut worst = [0.0_f64; 3];
     for q in decided(stand, hidden) {
         let truth = Truth::of(&world, &q);
@@ -96,7 +97,8 @@ fn compare(stand: &Stand, hidden: &[Hidden], given: Given) -> Option<[f64; 3]> {
             .map(|row| row.iter().zip(&rates).map(|(a, b)| a * b).sum())
             .collect();
         // The velocity is that of the Jacobian itself, whatever it is worth.
-        let off = largest(&velocity.run(&q, 1), &moved);
+        let motion = [Values::Shared(&rates); 2];
+        let off = largest(&velocity.run_moving(&q, motion, 1), &moved);
         assert!(
             off < 1e-12,
             "{hidden:?}: velocity {off:.1e} m/s off its Jacobian"

@@ -10,7 +10,12 @@ use std::time::Duration;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
 use sesc_test_support::command::Folder;
+use sesc_test_support::contacts::{Contact, recording};
+use sesc_test_support::feet::Noise;
+use sesc_test_support::stage::{Platform, Stage};
 
 /// What a command takes whatever it reads, bytes: the program itself, robot, threads.
 const BASE: u64 = 120 << 20;
@@ -140,9 +145,21 @@ fn packed_logs_take_memory_in_proportion_to_the_file() {
             fit(what, log);
         }
     }
-    for poses in [500, 2_000] {
-        simulated("log.csv", poses);
-        folder.stdout("diagnose op2.urdf --support r_sole --data log.csv --mcap log.mcap");
+    let stage = Stage::new(Platform::Op2);
+    let contacts = ["r_sole", "l_sole"].map(|link| Contact {
+        topic: format!("/{link}/wrench"),
+        frame: link.to_string(),
+    });
+    let noise = Noise {
+        cop_m: 5e-4,
+        encoder_rad: 5e-4,
+        flat_rad: 1.4e-3,
+    };
+    for poses in [100, 400] {
+        let random = &mut ChaCha8Rng::seed_from_u64(1);
+        let world = stage.world();
+        let recorded = recording(&stage, &world, poses, noise, &contacts, random);
+        fs::write(folder.join("log.mcap"), recorded).unwrap();
         fit("MCAP", "log.mcap");
     }
     // Rows that come again are packed to next to nothing.

@@ -40,7 +40,7 @@ const COMMANDS: [(&str, &str, &str); 8] = [
     (
         "diagnose a.urdf --data log.csv --prior prior.toml --servos servos.toml",
         "a.urdf log.csv log.toml prior.toml servos.toml",
-        "--out --urdf --report --next --mcap",
+        "--out --urdf --report --next",
     ),
     (
         "plan a.urdf --support foot --poses 3 --limits limits.csv --sole sole.csv --model \
@@ -204,9 +204,6 @@ fn outputs_take_the_place_of_their_like_alone() {
         inputs.write(name, text);
     }
     fs::copy(inputs.join("log.csv"), inputs.join("precious.csv")).unwrap();
-    // The header of a recording that ROS made.
-    let recorded = b"\x89MCAP0\r\n\x01\x13\0\0\0\0\0\0\0\x04\0\0\0ros2\x07\0\0\0libmcap";
-    inputs.write("robot.mcap", recorded);
     inputs.stdout("fit a.urdf --data log.csv --urdf b.urdf --out b.toml");
     let plan = "plan a.urdf --support foot --poses 3 --cop-box 0.2 --candidates 50 --out";
     inputs.stdout(&format!("{plan} poses.csv"));
@@ -219,7 +216,6 @@ fn outputs_take_the_place_of_their_like_alone() {
          fit a.urdf --data log.csv --urdf page.urdf             | is there already and is not
          fit a.urdf --data log.csv --partial mine.part          | is there already and is not
          diagnose a.urdf --data log.csv --next precious.csv     | is there already and is not
-         diagnose a.urdf --data log.csv --mcap robot.mcap       | is there already and is not
          plan a.urdf --support foot --poses 3 --cop-box 0.2 --out precious.csv | is there already
          plan a.urdf --support foot --poses 3 --cop-box 0.2 --out free.csv --report thesis.html
             | is there already and is not
@@ -235,7 +231,6 @@ fn outputs_take_the_place_of_their_like_alone() {
     );
     // Empty files are nobody's, and what a command wrote it writes again.
     inputs.write("empty.html", "");
-    inputs.write("empty.mcap", "");
     for line in [
         "fit a.urdf --data log.csv --out b.toml --urdf b.urdf --report empty.html",
         "fit a.urdf --data log.csv --out b.toml --urdf b.urdf --report empty.html",
@@ -243,11 +238,6 @@ fn outputs_take_the_place_of_their_like_alone() {
         "simulate a.urdf --support foot --poses 3 --out precious.csv",
     ] {
         inputs.stdout(line);
-    }
-    #[cfg(feature = "mcap")]
-    for _ in 0..2 {
-        inputs.stdout("diagnose a.urdf --data log.csv --mcap empty.mcap");
-        assert!(fs::read(inputs.join("empty.mcap")).unwrap().len() > 100);
     }
 }
 

@@ -75,8 +75,7 @@ pub const WRITERS: [Writer; 13] = [
     ),
     writer(
         "diagnose",
-        "diagnose a.urdf --data log.csv --out model.toml --report page.html --next next.csv \
-         --mcap found.mcap",
+        "diagnose a.urdf --data log.csv --out model.toml --report page.html --next next.csv",
         ["", "--prior cad"],
     ),
     writer(

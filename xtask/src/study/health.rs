@@ -14,10 +14,10 @@ use rand::seq::{IndexedRandom as _, SliceRandom as _};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::{self, Verdict};
-use sesc_identify::health::{self, Finding};
-use sesc_identify::logs::{LogSource, Options, Readings, Sidecar, Table};
+use sesc_identify::fit;
+use sesc_identify::health::Finding;
+use sesc_identify::logs::{LogSource, Sidecar, Table};
 use sesc_identify::robot::Robot;
-use sesc_model::Snapping;
 use sesc_test_support::examine::{Failure, diagnosed, fitted};
 use sesc_test_support::log::READINGS;
 use sesc_test_support::moving::Swing;
@@ -188,20 +188,12 @@ fn looks(
     request.support = Some(support.into());
     request.noise = noise;
     let diagnosed = diagnose::look(&request, &mut ())?;
-    let model = robot.model(support, Snapping::default(), None)?;
-    let links = robot.description.links.iter();
-    let mut options = Options::default();
-    options.readings = Readings::Required;
-    options.links = links.map(|link| link.name.clone()).collect();
-    options.support = Some(support.to_string());
-    options.any_unit = true;
-    let reading = health::Reading {
-        options: &options,
-        snapping: Snapping::default(),
-        noise,
-        alone: true,
-    };
-    let (_, fitted) = health::look(log, robot, &model, reading, &mut ())?;
+    let mut request = fit::Request::default();
+    request.robot = Some(Arc::clone(robot));
+    request.logs = vec![log.clone()];
+    request.support = Some(support.into());
+    request.noise = noise;
+    let fitted = fit::gather(&request, &mut ())?.health().to_vec();
     Ok([diagnosed, fitted])
 }
 

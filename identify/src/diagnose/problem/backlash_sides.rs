@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use sesc_model::effects::{PostureContext, ROUNDS};
 
-use super::{Block, Problem, stacked_residual};
+use super::{Block, Problem, side, stacked_residual};
 use crate::diagnose::criteria;
 use crate::diagnose::hypothesis::Term;
 
@@ -23,7 +23,7 @@ pub struct Sides {
 /// The side of every slack joint in every posture of each block: gravity's, and where that is
 /// nearly even and the unknowns are `fitted`, the reading's.
 pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fitted: bool) -> Vec<Sides> {
-    let blocks = problem.blocks().map(|block| {
+    let blocks = problem.blocks.iter().map(|block| {
         let own = problem.carried(block, terms);
         let given = own.unknowns(unknowns);
         (block, own.terms, given)
@@ -37,7 +37,7 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fitted: bool)
         let contexts = sides.iter().map(|own| own.posture_context[..].into());
         let contexts: Vec<Cow<[f64]>> = contexts.collect();
         let predicted = problem.predict(terms, unknowns, &contexts, None);
-        let residual = stacked_residual(predicted.iter());
+        let residual = stacked_residual(&predicted);
         let unexplained = problem.masses(terms).project_out_one(&residual);
         let own = sides
             .iter_mut()
@@ -55,16 +55,17 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fitted: bool)
 /// The sides that gravity decides, and the moments there.
 fn by_gravity(block: &Block, terms: &[Term], unknowns: &[f64]) -> (Sides, Vec<f64>) {
     let joints = block.slack_joints(terms);
+    let joints = || joints.iter().map(|(joint, _)| *joint);
     let mut posture_context = block.data.posture_context.clone();
-    let mut out = Vec::new();
-    if !joints.is_empty() {
+    let mut moments = Vec::new();
+    if joints().len() > 0 {
+        let dof = block.context.robot.dof();
         // From the middle of every band, all at once, as in `Measured::bend`.
-        joints_at(block, &joints, &mut posture_context, |_, _| 0.0);
+        block.put_sides(&mut posture_context, joints(), |_, _, _| 0.0);
         for _ in 0..ROUNDS {
-            out = block.evaluate_moments(terms, unknowns, &block.data.q, &posture_context);
-            joints_at(block, &joints, &mut posture_context, |before, at| {
-                let step = if out[at] < 0.0 { -1.0 } else { 1.0 };
-                before + step / ROUNDS as f64
+            moments = block.evaluate_moments(terms, unknowns, &block.data.q, &posture_context);
+            block.put_sides(&mut posture_context, joints(), |k, joint, before| {
+                before + side(moments[k * 3 * dof + joint]) / ROUNDS as f64
             });
         }
     }
@@ -73,7 +74,7 @@ fn by_gravity(block: &Block, terms: &[Term], unknowns: &[f64]) -> (Sides, Vec<f6
         penalty: 0.0,
         flipped: Vec::new(),
     };
-    (sides, out)
+    (sides, moments)
 }
 
 /// Put joints that may rest on either side where the reading has them.
@@ -92,32 +93,15 @@ fn by_reading(
         if near.is_empty() {
             continue;
         }
+        let own = &mut sides.posture_context[k * layout.len()..];
         let left = [unexplained[2 * k], unexplained[2 * k + 1]];
-        let (flips, cost) = best_flips(k, left, &near, &sides.posture_context, &layout);
+        let (flips, cost) = best_flips(left, &near, |joint| own[layout.side(joint)]);
         sides.penalty += cost;
         if !flips.is_empty() {
             sides.flipped.push(k);
         }
         for joint in flips {
-            sides.posture_context[k * layout.len() + layout.side(joint)] *= -1.0;
-        }
-    }
-}
-
-/// Move every loose joint of every posture: from where it is and the place of its
-/// moment among the outputs.
-fn joints_at(
-    block: &Block,
-    joints: &[(usize, usize)],
-    posture_context: &mut [f64],
-    to: impl Fn(f64, usize) -> f64,
-) {
-    let layout = PostureContext::of(block.context.robot);
-    let dof = block.context.robot.dof();
-    for k in 0..block.data.len() {
-        for &(joint, _) in joints {
-            let side = &mut posture_context[k * layout.len() + layout.side(joint)];
-            *side = to(*side, k * 3 * dof + joint);
+            own[layout.side(joint)] *= -1.0;
         }
     }
 }
@@ -157,31 +141,21 @@ fn bistable(
             });
         }
     }
-    near.sort_by(|a, b| {
-        b.half[0]
-            .hypot(b.half[1])
-            .total_cmp(&a.half[0].hypot(a.half[1]))
-    });
+    let reach = |near: &Near| near.half[0].hypot(near.half[1]);
+    near.sort_by(|a, b| reach(b).total_cmp(&reach(a)));
     near.truncate(criteria::SIDE_JOINTS);
     near
 }
 
 /// The joints to put on their other side, and what that costs.
-fn best_flips(
-    k: usize,
-    residual: [f64; 2],
-    near: &[Near],
-    posture_context: &[f64],
-    layout: &PostureContext,
-) -> (Vec<usize>, f64) {
+fn best_flips(residual: [f64; 2], near: &[Near], side: impl Fn(usize) -> f64) -> (Vec<usize>, f64) {
     let mut best = (0, 0.0, residual[0].powi(2) + residual[1].powi(2));
     for choice in 1..1_usize << near.len() {
         let (mut left, mut cost) = (residual, 0.0);
         for (bit, joint) in near.iter().enumerate() {
             if choice >> bit & 1 == 1 {
-                let side = posture_context[k * layout.len() + layout.side(joint.joint)];
                 for (left, half) in left.iter_mut().zip(joint.half) {
-                    *left += 2.0 * side * half;
+                    *left += 2.0 * side(joint.joint) * half;
                 }
                 cost += criteria::SIDE_SCORE * (criteria::SIDE_EVEN + joint.certainty);
             }

@@ -12,7 +12,7 @@
 //! stands on the support alone.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::{
@@ -22,14 +22,18 @@ use sesc_model::standard::Shift;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
-use super::left_by_masses;
-use crate::diagnose::hypothesis::{Term, effects_of, with_places};
+use super::{OnBlock, without};
+use crate::Error;
+use crate::diagnose::hypothesis::{CarriedExplanation, Term, effects_of, with_places};
 use crate::evaluate::{Evaluator, FASTEST};
-use crate::feet::{Closure, OtherFoot, ROWS};
+use crate::feet::{Closure, Feet, ROWS, of_many, of_one_foot, tell_contacts};
+use crate::health::wirings;
+use crate::logs::Sidecar;
 use crate::observations::correlation::Process;
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::Postures;
 use crate::observations::rows::CopRows;
+use crate::watch::Watch;
 
 /// Rows of one log in one support.
 #[derive(Clone)]
@@ -43,7 +47,7 @@ pub struct Block<'m> {
     /// Those about which readings are linear in masses: CAD's, or where a fit ended.
     pub params: Vec<f64>,
     /// Whitened shift of readings from `params` back to CAD's, where they differ.
-    pub(super) offset: Option<DVector<f64>>,
+    pub(in crate::diagnose) offset: Option<DVector<f64>>,
     /// 1/σ per reading.
     pub weight: Vec<f64>,
     /// Factor of each axis's noise for the correlation of its readings in time.
@@ -56,18 +60,12 @@ pub struct Block<'m> {
     motion_rows: Option<Arc<DMatrix<f64>>>,
     /// Both soles on one floor, where the log is of both feet.
     pub(crate) closure: Option<Arc<Closure>>,
-    /// What this block makes of the first one's unknowns and masses; none of the first itself.
-    pub further: Option<Further>,
-    /// Shared by copies of the block, whose noise may be another.
-    tapes: Arc<Mutex<HashMap<Vec<Instance>, Arc<Tapes>>>>,
-}
-
-/// A block beside the first one.
-#[derive(Clone)]
-pub struct Further {
-    pub experiment: Experiment,
+    /// What the log is of beside the first one; none of the first itself.
+    pub experiment: Option<Experiment>,
     /// Base parameters here from those of the first block; none on the same support.
-    pub shift: Option<Arc<Shift>>,
+    shift: Option<Arc<Shift>>,
+    /// Shared by copies of the block, whose noise may be another.
+    tapes: Arc<Mutex<Tapes>>,
 }
 
 /// Whitened rows of the soles: three a posture.
@@ -79,13 +77,31 @@ pub struct Closed {
     pub slopes: DMatrix<f64>,
 }
 
-/// What a set of terms runs on.
-struct Tapes {
-    reading: Tape,
-    /// Made when a dead band asks for sides.
-    moments: OnceLock<Arc<Tape>>,
-    /// Made where the log is of both feet.
-    soles: OnceLock<Arc<Tape>>,
+/// What a model file predicts of a log, posture by posture.
+pub struct InFile {
+    /// x, y, m.
+    pub readings: Vec<f64>,
+    /// How far into its dead band each joint is.
+    pub depths: Vec<f64>,
+}
+
+/// Programs by what they compute and the effects in them.
+type Tapes = HashMap<(Output, Vec<Instance>), Arc<Tape>>;
+
+/// What a program of a set of terms computes.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Output {
+    Reading,
+    /// Of gravity, with slopes of the reading by joints.
+    Moments,
+    /// Joint positions.
+    Joints,
+    /// Where the other sole is.
+    Sole,
+    /// Of any masses: reading, and how far into its dead band each joint is.
+    InFile,
+    /// Of any masses: reading with its derivatives by the base parameters.
+    ByMasses,
 }
 
 /// Whether a term moves a joint from where its encoder says.
@@ -117,12 +133,12 @@ impl<'m> Block<'m> {
         });
         if data.noise_source == NoiseSource::Residuals {
             let mut out = Evaluator::new(model, Function::Cop).run(&data.q, n);
-            let moved = data
-                .moved
-                .iter()
-                .flat_map(|moved| moved.shift.iter().flatten());
-            out.iter_mut().zip(moved).for_each(|(cop, by)| *cop += by);
-            let (left, taken) = left_by_masses(&rows, &data.reading, &out);
+            let moved = data.moved.iter().flat_map(|moved| &moved.shift);
+            let moved = out.iter_mut().zip(moved.flatten());
+            moved.for_each(|(cop, by)| *cop += by);
+            let gap = DVector::from_fn(out.len(), |row, _| data.reading[row] - out[row]);
+            // Noise, and whatever else is in the log.
+            let (left, taken) = without(&rows, gap);
             data.take_noise(&left, taken);
         }
         Block {
@@ -138,7 +154,8 @@ impl<'m> Block<'m> {
             rows: Arc::new(rows),
             motion_rows,
             closure: closure.map(Arc::new),
-            further: None,
+            experiment: None,
+            shift: None,
             tapes: Arc::default(),
         }
     }
@@ -146,9 +163,9 @@ impl<'m> Block<'m> {
     /// This log as one of an `experiment` beside the `first`.
     pub fn beside(self, first: &Block, experiment: Experiment) -> Block<'m> {
         let elsewhere = self.model.support() != first.model.support();
-        let shift = elsewhere.then(|| Arc::new(self.model.params_from(first.context.robot)));
         Block {
-            further: Some(Further { experiment, shift }),
+            shift: elsewhere.then(|| Arc::new(self.model.params_from(first.context.robot))),
+            experiment: Some(experiment),
             ..self
         }
     }
@@ -177,32 +194,35 @@ impl<'m> Block<'m> {
     {
         let (cells, times) = (&self.data.cells, self.data.motion.is_some());
         Block {
-            cad: model.cad_params(),
             params: model.cad_params(),
-            offset: None,
-            widened: [1.0; 2],
-            lasting: [None; 2],
             context: EffectContext::new(model, cells, times, self.context.catalog.clone()),
             model,
-            motion_rows: None,
-            closure: None,
             tapes: Arc::default(),
             ..self.clone()
         }
     }
 
-    /// The same block about masses `params` (m): `rows` are the slopes of readings there.
-    pub(in crate::diagnose) fn about(&self, params: Vec<f64>, rows: DMatrix<f64>) -> Block<'m> {
-        let errors = params.iter().zip(&self.cad).map(|(r, cad)| r - cad);
-        let mut offset = &rows * DVector::from_iterator(params.len(), errors);
-        for (shift, weight) in offset.iter_mut().zip(&self.weight) {
-            *shift *= weight;
+    /// The robot of this block at other postures `q`, or at its own, before any reading is taken:
+    /// each will be known to `noise` (m).
+    pub(in crate::diagnose) fn at(&self, q: Option<&[f64]>, noise: f64) -> Block<'m> {
+        let mut data = self.data.clone();
+        if let Some(q) = q {
+            let n = q.len() / self.model.dof();
+            data.pose = vec![0; n];
+            data.posture_context = vec![0.0; n * PostureContext::of(self.model).len()];
+            data.q = q.to_vec();
         }
+        let n = data.len();
+        data.reading = vec![0.0; 2 * n];
+        let rows = Evaluator::new(self.model, Function::RegressorCop).run(&data.q, n);
+        let params = self.model.base.params.len();
         Block {
-            params,
-            offset: Some(offset),
-            rows: Arc::new(rows),
-            tapes: Arc::default(),
+            weight: vec![1.0 / noise; 2 * n],
+            rows: Arc::new(DMatrix::from_row_slice(2 * n, params, &rows)),
+            data,
+            offset: None,
+            motion_rows: None,
+            closure: None,
             ..self.clone()
         }
     }
@@ -215,42 +235,20 @@ impl<'m> Block<'m> {
 
     /// Rows by the base parameters of the first block.
     pub(in crate::diagnose) fn rows_of_first(&self) -> DMatrix<f64> {
-        match self.shift() {
+        match &self.shift {
             Some(shift) => &*self.rows * &shift.matrix,
             None => (*self.rows).clone(),
         }
     }
 
     /// Base parameters here where those of the first block are `r`, m.
-    pub(in crate::diagnose) fn params_from_first(&self, r: &[f64]) -> Vec<f64> {
-        match self.shift() {
+    fn params_from_first(&self, r: &[f64]) -> Vec<f64> {
+        match &self.shift {
             Some(shift) => {
                 let own = &shift.matrix * DVector::from_column_slice(r) + &shift.offset;
                 own.as_slice().to_vec()
             }
             None => r.to_vec(),
-        }
-    }
-
-    fn shift(&self) -> Option<&Shift> {
-        self.further.as_ref()?.shift.as_deref()
-    }
-
-    /// Change of what motion adds to readings where masses are `r` (m) and not CAD's, m; empty of
-    /// standing robots.
-    pub(in crate::diagnose) fn motion_of(&self, r: &[f64]) -> Vec<f64> {
-        let Some(rows) = &self.motion_rows else {
-            return Vec::new();
-        };
-        let off = DVector::from_fn(r.len(), |k, _| r[k] - self.cad[k]);
-        (&**rows * off).as_slice().to_vec()
-    }
-
-    /// Derivative of readings by masses where that of readings without motion is `still`.
-    pub(in crate::diagnose) fn with_motion(&self, still: DMatrix<f64>) -> DMatrix<f64> {
-        match &self.motion_rows {
-            Some(rows) => still + &**rows,
-            None => still,
         }
     }
 
@@ -265,6 +263,13 @@ impl<'m> Block<'m> {
         DVector::from_fn(predicted.len(), |row, _| {
             (self.data.reading[row] - predicted[row]) * self.weight[row]
         })
+    }
+
+    /// Readings that are predicted where these residuals are left, m.
+    pub(in crate::diagnose) fn predicted(&self, residual: &DVector<f64>) -> Vec<f64> {
+        let rows = 0..residual.len();
+        rows.map(|row| self.data.reading[row] - residual[row] / self.weight[row])
+            .collect()
     }
 
     /// Rows per independent one, of the axis that has fewer.
@@ -293,51 +298,47 @@ impl<'m> Block<'m> {
         found
     }
 
-    /// The programs of a set of terms, made once; two that ask at the same time may both make
-    /// them, and the same.
-    fn tapes(&self, terms: &[Term]) -> Arc<Tapes> {
+    /// The program of a set of terms, made once; two that ask at the same time may both make it,
+    /// and the same.
+    fn tape(&self, output: Output, terms: &[Term]) -> Arc<Tape> {
         let known = || self.tapes.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = effects_of(terms);
-        if let Some(tapes) = known().get(&key) {
-            return tapes.clone();
+        let key = (output, effects_of(terms));
+        if let Some(tape) = known().get(&key) {
+            return Arc::clone(tape);
         }
-        let program = effects::reading(&self.context, &key, &self.params);
-        let tapes = Arc::new(Tapes {
-            reading: Tape::of_many(&program),
-            moments: OnceLock::new(),
-            soles: OnceLock::new(),
-        });
-        known().entry(key).or_insert(tapes).clone()
+        let (context, terms, params) = (&self.context, &key.1, &self.params);
+        let program = match (output, &self.closure) {
+            (Output::Moments, _) => effects::moments(context, terms, params),
+            (Output::Joints, _) => effects::joints(context, terms, params),
+            (Output::InFile, _) => effects::resting_reading(context, terms),
+            (Output::ByMasses, _) => effects::reading_by_masses(context, terms),
+            (Output::Sole, Some(closure)) => {
+                effects::other_sole(context, terms, params, closure.other.place())
+            }
+            _ => effects::reading(context, terms, params),
+        };
+        let tape = Arc::new(Tape::of_many(&program));
+        known().entry(key).or_insert(tape).clone()
     }
 
-    fn moments(&self, terms: &[Term]) -> Arc<Tape> {
-        let tapes = self.tapes(terms);
-        let made = tapes.moments.get_or_init(|| {
-            let program = effects::moments(&self.context, &effects_of(terms), &self.params);
-            Arc::new(Tape::of_many(&program))
-        });
-        made.clone()
-    }
-
-    fn soles(&self, terms: &[Term], other: &OtherFoot) -> Arc<Tape> {
-        let tapes = self.tapes(terms);
-        let made = tapes.soles.get_or_init(|| {
-            let effects = effects_of(terms);
-            let program = effects::other_sole(&self.context, &effects, &self.params, other.place());
-            Arc::new(Tape::of_many(&program))
-        });
-        made.clone()
-    }
-
-    /// Outputs of a program at joint positions `q`, posture by posture.
-    fn run(&self, tape: &Tape, q: &[f64], unknowns: &[f64], posture_context: &[f64]) -> Vec<f64> {
+    /// Outputs of a program at joint positions `q`, posture by posture; of one of any masses at
+    /// `masses`, m.
+    fn run(
+        &self,
+        tape: &Tape,
+        q: &[f64],
+        unknowns: &[f64],
+        posture_context: &[f64],
+        masses: Option<&[f64]>,
+    ) -> Vec<f64> {
         let n = posture_context.len() / PostureContext::of(self.context.robot).len();
         let mut out = vec![0.0; n * tape.outputs()];
-        let arguments = [
+        let mut arguments = vec![
             Values::PerPosture(q),
             Values::Shared(unknowns),
             Values::PerPosture(posture_context),
         ];
+        arguments.extend(masses.map(Values::Shared));
         tape.run(&arguments, n, &mut out, FASTEST);
         out
     }
@@ -350,8 +351,107 @@ impl<'m> Block<'m> {
         q: &[f64],
         posture_context: &[f64],
     ) -> Vec<f64> {
-        let tapes = self.tapes(terms);
-        self.run(&tapes.reading, q, unknowns, posture_context)
+        let tape = self.tape(Output::Reading, terms);
+        self.run(&tape, q, unknowns, posture_context, None)
+    }
+
+    /// What an explanation predicts at joint positions `q`, with slopes by the unknowns of the
+    /// first block.
+    pub(in crate::diagnose) fn predict(
+        &self,
+        own: &CarriedExplanation,
+        unknowns: &[f64],
+        q: &[f64],
+        posture_context: &[f64],
+    ) -> OnBlock {
+        let (given, count) = (own.unknowns(unknowns), unknowns.len());
+        let out = self.evaluate(&own.terms, &given, q, posture_context);
+        let width = given.len() + 1;
+        let rows = out.len() / width;
+        let predicted: Vec<f64> = (0..rows)
+            .map(|row| self.of_cad(row, out[row * width]))
+            .collect();
+        let slopes = DMatrix::from_fn(rows, given.len(), |row, k| {
+            out[row * width + 1 + k] * self.weight[row]
+        });
+        let closed = self.closed(&own.terms, &given, q, posture_context);
+        OnBlock {
+            residual: Arc::new(self.residual(&predicted)),
+            slopes: Arc::new(own.by_unknowns(&slopes, count)),
+            closed: closed.map(|closed| Closed {
+                slopes: own.by_unknowns(&closed.slopes, count),
+                ..closed
+            }),
+            sides: None,
+            flipped: Vec::new(),
+        }
+    }
+
+    /// What a file with an explanation predicts of this log where base parameters of the first
+    /// block are `masses`, m.
+    pub(in crate::diagnose) fn in_file(
+        &self,
+        own: &CarriedExplanation,
+        unknowns: &[f64],
+        masses: &[f64],
+    ) -> InFile {
+        let (tape, masses) = (
+            self.tape(Output::InFile, &own.terms),
+            self.params_from_first(masses),
+        );
+        let (given, context) = (own.unknowns(unknowns), &self.data.posture_context);
+        let out = self.run(&tape, &self.data.q, &given, context, Some(&masses));
+        let postures = out.chunks_exact(tape.outputs()).map(|own| own.split_at(2));
+        let (readings, depths): (Vec<_>, Vec<_>) = postures.unzip();
+        let mut readings = readings.concat();
+        if let Some(rows) = &self.motion_rows {
+            // Motion adds more or less where masses are not CAD's.
+            let off = DVector::from_fn(masses.len(), |k, _| masses[k] - self.cad[k]);
+            let motion = &**rows * off;
+            readings
+                .iter_mut()
+                .zip(&motion)
+                .for_each(|(y, by)| *y += by);
+        }
+        InFile {
+            readings,
+            depths: depths.concat(),
+        }
+    }
+
+    /// The same block about base parameters `masses` (m) of the first, slopes by masses as an
+    /// explanation has them there.
+    pub(in crate::diagnose) fn about(
+        &self,
+        own: &CarriedExplanation,
+        unknowns: &[f64],
+        posture_context: &[f64],
+        masses: &[f64],
+    ) -> Block<'m> {
+        let (tape, params) = (
+            self.tape(Output::ByMasses, &own.terms),
+            self.params_from_first(masses),
+        );
+        let (given, width) = (own.unknowns(unknowns), 1 + params.len());
+        let out = self.run(&tape, &self.data.q, &given, posture_context, Some(&params));
+        let mut rows = DMatrix::from_fn(2 * self.data.len(), params.len(), |row, k| {
+            out[row * width + 1 + k]
+        });
+        if let Some(motion) = &self.motion_rows {
+            rows += &**motion;
+        }
+        let errors = params.iter().zip(&self.cad).map(|(r, cad)| r - cad);
+        let mut offset = &rows * DVector::from_iterator(params.len(), errors);
+        for (shift, weight) in offset.iter_mut().zip(&self.weight) {
+            *shift *= weight;
+        }
+        Block {
+            params,
+            offset: Some(offset),
+            rows: Arc::new(rows),
+            tapes: Arc::default(),
+            ..self.clone()
+        }
     }
 
     /// Moments (m) and slopes of the reading by joint at positions `q`: 3 × dof per posture.
@@ -362,7 +462,8 @@ impl<'m> Block<'m> {
         q: &[f64],
         posture_context: &[f64],
     ) -> Vec<f64> {
-        self.run(&self.moments(terms), q, unknowns, posture_context)
+        let tape = self.tape(Output::Moments, terms);
+        self.run(&tape, q, unknowns, posture_context, None)
     }
 
     /// Gravity moments and slopes of the robot with CAD masses, at positions `q`.
@@ -382,8 +483,8 @@ impl<'m> Block<'m> {
         // Sensors, masses and the ground move no sole: one program is enough for them all.
         let idle = !terms.iter().any(bends);
         let (own, given): (&[Term], &[f64]) = if idle { (&[], &[]) } else { (terms, unknowns) };
-        let tape = self.soles(own, &closure.other);
-        let out = self.run(&tape, q, given, posture_context);
+        let tape = self.tape(Output::Sole, own);
+        let out = self.run(&tape, q, given, posture_context, None);
         let width = 1 + given.len();
         let rows = ROWS * self.data.len();
         let slopes = DMatrix::from_fn(rows, unknowns.len(), |row, k| {
@@ -399,12 +500,50 @@ impl<'m> Block<'m> {
         })
     }
 
+    /// Put joints of every posture of a context where `to` has them, by posture, joint and the side
+    /// before.
+    pub(in crate::diagnose) fn put_sides(
+        &self,
+        context: &mut [f64],
+        joints: impl Iterator<Item = usize> + Clone,
+        to: impl Fn(usize, usize, f64) -> f64,
+    ) {
+        let layout = PostureContext::of(self.context.robot);
+        for (k, own) in context.chunks_exact_mut(layout.len()).enumerate() {
+            for joint in joints.clone() {
+                let side = &mut own[layout.side(joint)];
+                *side = to(k, joint, *side);
+            }
+        }
+    }
+
     /// The sides on which joints rest in the context of a fit to this log.
-    pub(in crate::diagnose) fn sides_of(&self, posture_context: &[f64]) -> OwnSides {
-        let robot = self.context.robot;
+    pub(in crate::diagnose) fn sides_of(&self, own: &[f64]) -> OwnSides {
+        let (robot, log) = (self.context.robot, &self.data.posture_context);
         let layout = PostureContext::of(robot);
-        let log = &self.data.posture_context;
-        OwnSides::of(&layout, robot.dof(), log, posture_context)
+        let postures = || (0..log.len()).step_by(layout.len());
+        let differs = |joint: &usize| {
+            let side = layout.side(*joint);
+            postures().any(|at| own[at + side].to_bits() != log[at + side].to_bits())
+        };
+        let joints: Vec<usize> = (0..robot.dof()).filter(differs).collect();
+        let sides = postures().flat_map(|at| joints.iter().map(move |j| own[at + layout.side(*j)]));
+        OwnSides {
+            sides: Arc::new(sides.collect()),
+            joints,
+        }
+    }
+
+    /// The context of this log with the sides of a fit in it.
+    pub(in crate::diagnose) fn context_of(&self, own: &OwnSides) -> Vec<f64> {
+        let mut context = self.data.posture_context.clone();
+        let places = own.joints.iter().enumerate();
+        for (place, joint) in places {
+            self.put_sides(&mut context, [*joint].into_iter(), |k, _, _| {
+                own.sides[k * own.joints.len() + place]
+            });
+        }
+        context
     }
 
     /// Joint positions of every posture as a hypothesis bends them.
@@ -412,46 +551,63 @@ impl<'m> Block<'m> {
         if !terms.iter().any(bends) {
             return self.data.q.clone();
         }
-        let program = effects::joints(&self.context, &effects_of(terms), &self.params);
-        let q = &self.data.q;
-        self.run(&Tape::of_many(&program), q, unknowns, posture_context)
+        let tape = self.tape(Output::Joints, terms);
+        self.run(&tape, &self.data.q, unknowns, posture_context, None)
     }
 
     /// The effect of faults of wiring or of the record: the joint positions that they leave, and
-    /// what becomes of a reading (m, two per posture).
-    pub(in crate::diagnose) fn rewired(&self, faults: &[Term]) -> (Vec<f64>, Rewire) {
+    /// what becomes of a reading, where they change it.
+    pub(in crate::diagnose) fn rewired(&self, faults: &[Term]) -> (Vec<f64>, Option<Tape>) {
         let faults = effects_of(faults);
         let q = match faults.iter().any(|own| own.effect.stage() == Stage::Wiring) {
-            true => {
-                let joints = Tape::of_many(&effects::wired_joints(&self.context, &faults));
-                let n = self.data.len();
-                let mut q = vec![0.0; n * joints.outputs()];
-                joints.run(&[Values::PerPosture(&self.data.q)], n, &mut q, FASTEST);
-                q
-            }
+            true => wirings::positions(&self.context, &faults, &self.data.q),
             false => self.data.q.clone(),
         };
         let of_reading = |own: &Instance| own.effect.is_sensor_effect(&own.target);
         let reading = faults.iter().any(of_reading);
         let rewire = reading.then(|| effects::wired_reading(&self.context, &faults));
-        (q, Rewire(rewire.map(|program| Tape::of_many(&program))))
+        (q, rewire.map(|program| Tape::of_many(&program)))
     }
 }
 
-/// How a fault of the record changes readings; none where it does not.
-pub(in crate::diagnose) struct Rewire(Option<Tape>);
-
-impl Rewire {
-    /// Readings under the fault, two per posture.
-    pub(in crate::diagnose) fn readings(&self, readings: &[f64]) -> Vec<f64> {
-        let Some(tape) = &self.0 else {
-            return readings.to_vec();
-        };
-        let mut out = vec![0.0; readings.len()];
-        let arguments = [Values::PerPosture(readings)];
-        tape.run(&arguments, readings.len() / 2, &mut out, FASTEST);
-        out
+/// The soles of a log of both feet, which the caller, its sidecar or its contacts say; `None` of
+/// one that stands on one foot. Where each foot has its own contact, the `data` learn what joints
+/// do to that.
+///
+/// # Errors
+/// When the other sole cannot be told.
+pub(crate) fn soles_of(
+    feet: &Feet,
+    sidecar: &Sidecar,
+    model: &Model,
+    data: &mut Postures,
+    watch: &mut dyn Watch,
+) -> Result<Option<Closure>, Error> {
+    let mut sidecar = sidecar.clone();
+    sidecar.other_foot = sidecar.other_foot.or_else(|| data.other_foot.clone());
+    let Some(other) = feet.of(&sidecar, model)? else {
+        return Ok(None);
+    };
+    if let Some(note) = of_many(model, &other) {
+        watch.note(&note);
     }
+    if let Some(warning) = of_one_foot(model, &other, data) {
+        watch.warning(&warning.into());
+    }
+    tell_contacts(data, model, &other);
+    Ok(Some(Closure::of(model, other, &data.q, data.t.as_deref())))
+}
+
+/// The side of its dead band where a moment puts a joint.
+pub(in crate::diagnose) fn side(moment: f64) -> f64 {
+    if moment < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// Outputs of a program of so many postures' own values alone.
+pub(in crate::diagnose) fn run_alone(tape: &Tape, values: &[f64], postures: usize) -> Vec<f64> {
+    let mut out = vec![0.0; postures * tape.outputs()];
+    tape.run(&[Values::PerPosture(values)], postures, &mut out, FASTEST);
+    out
 }
 
 /// The sides on which joints rest in a fit, where they are not those of the log's context.
@@ -460,35 +616,4 @@ pub struct OwnSides {
     joints: Vec<usize>,
     /// Posture by posture.
     sides: Arc<Vec<f64>>,
-}
-
-impl OwnSides {
-    /// The sides by which the context `own` of a fit differs from that of its log; robots have
-    /// `dof` joints.
-    pub fn of(layout: &PostureContext, dof: usize, log: &[f64], own: &[f64]) -> OwnSides {
-        let postures = || (0..log.len()).step_by(layout.len());
-        let differs = |joint: &usize| {
-            let side = layout.side(*joint);
-            postures().any(|at| own[at + side].to_bits() != log[at + side].to_bits())
-        };
-        let joints: Vec<usize> = (0..dof).filter(differs).collect();
-        let sides = postures().flat_map(|at| joints.iter().map(move |j| own[at + layout.side(*j)]));
-        OwnSides {
-            sides: Arc::new(sides.collect()),
-            joints,
-        }
-    }
-
-    /// The context of the fit: that of its log with these sides in it.
-    pub fn context(&self, layout: &PostureContext, log: &[f64]) -> Vec<f64> {
-        let mut all = log.to_vec();
-        let postures = all.chunks_exact_mut(layout.len());
-        let own = self.sides.chunks_exact(self.joints.len().max(1));
-        for (posture, sides) in postures.zip(own) {
-            for (joint, side) in self.joints.iter().zip(sides) {
-                posture[layout.side(*joint)] = *side;
-            }
-        }
-        all
-    }
 }

@@ -8,47 +8,41 @@
 //! symbolic derivatives of the measurement.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::backlash_sides::{self, Sides};
-use super::{Block, Closed, Fit, OnBlock, Problem, RowSelection};
+use super::{Block, Fit, OnBlock, Problem};
 use super::{stacked_residual, stacked_slopes};
+use crate::diagnose::criteria;
 use crate::diagnose::hypothesis::{Term, with_places};
 use crate::diagnose::nuisance::Nuisance;
 use crate::diagnose::outliers::Outliers;
 use crate::lsq::damped::{self, Expansion, SETTLED};
 use crate::lsq::transposed_times;
 
-/// Starts of a fit, at most.
-const STARTS: usize = 8;
 /// Rounds in which sides of dead bands and outliers are settled with the rest.
 const ROUNDS: usize = 4;
 
 impl Problem<'_> {
-    /// Fit a hypothesis from where its unknowns may start.
-    pub fn fit(&self, terms: &[Term], start: Option<&[f64]>, rows: RowSelection) -> Fit {
-        let starts = match start {
-            Some(start) => vec![start.to_vec()],
-            None => self.starts(terms, None),
-        };
-        let fits = starts
-            .into_iter()
-            .map(|start| self.fit_from(terms, start, rows));
+    /// The best fit of a hypothesis from wherever it may be begun, to the postures of the first
+    /// block that it may `keep`.
+    pub fn fit(&self, terms: &[Term], parent: Option<&Fit>, keep: Option<&[bool]>) -> Fit {
+        let starts = self.starts(terms, parent).into_iter();
+        let fits = starts.map(|start| self.fit_from(terms, start, keep));
         fits.min_by(|a, b| a.objective.total_cmp(&b.objective))
             .expect("there is a start")
     }
 
     /// Where unknowns may start: every start of what is new, beside what `parent` found
     /// of the others.
-    pub fn starts(&self, terms: &[Term], parent: Option<&Fit>) -> Vec<Vec<f64>> {
+    fn starts(&self, terms: &[Term], parent: Option<&Fit>) -> Vec<Vec<f64>> {
         let mut starts = vec![Vec::new()];
         for term in terms {
-            let found = parent.and_then(|fit| fit.unknowns_of(&self.first.context, term));
+            let found = parent.and_then(|fit| fit.unknowns_of(&self.first().context, term));
             let own = match found {
                 Some(own) => vec![own.to_vec()],
-                None => term.starts(&self.first.context),
+                None => term.starts(&self.first().context),
             };
             let longer = |before: &Vec<f64>| -> Vec<Vec<f64>> {
                 own.iter()
@@ -57,11 +51,11 @@ impl Problem<'_> {
             };
             starts = starts.iter().flat_map(longer).collect();
         }
-        starts.truncate(STARTS);
+        starts.truncate(criteria::TRIED);
         starts
     }
 
-    fn fit_from(&self, terms: &[Term], start: Vec<f64>, rows: RowSelection) -> Fit {
+    pub fn fit_from(&self, terms: &[Term], start: Vec<f64>, keep: Option<&[bool]>) -> Fit {
         let slack = terms.iter().any(|term| term.dead_band().is_some());
         let outlying = terms.contains(&Term::Outliers);
         let mut unknowns = start;
@@ -72,7 +66,12 @@ impl Problem<'_> {
             if slack {
                 if round == 0 {
                     // A width to begin with, else no side matters.
-                    self.widen(terms, &mut unknowns);
+                    for (term, own) in with_places(terms, &self.first().context) {
+                        match (term.dead_band(), unknowns.get_mut(own.start)) {
+                            (Some(width), Some(first)) if *first == 0.0 => *first = width,
+                            _ => {}
+                        }
+                    }
                 }
                 sides = Some(backlash_sides::settle(
                     self,
@@ -81,7 +80,8 @@ impl Problem<'_> {
                     fit.is_some(),
                 ));
             }
-            let next = self.descend(terms, unknowns.clone(), sides.as_deref(), &outliers, rows);
+            let held = (sides.as_deref(), outliers.as_ref());
+            let next = self.descend(terms, unknowns.clone(), held, keep);
             let done = match &fit {
                 Some(before) => (before.objective - next.objective).abs() < SETTLED,
                 None => false,
@@ -96,19 +96,10 @@ impl Problem<'_> {
             }
             if outlying {
                 let fit = fit.as_ref().expect("set above");
-                outliers = Some(Outliers::of(&fit.first.residual, rows.keep));
+                outliers = Some(Outliers::of(&fit.blocks[0].residual, keep));
             }
         }
         fit.expect("at least one round")
-    }
-
-    fn widen(&self, terms: &[Term], unknowns: &mut [f64]) {
-        for (term, own) in with_places(terms, &self.first.context) {
-            let at = own.start;
-            if let (Some(width), true) = (term.dead_band(), unknowns.get(at) == Some(&0.0)) {
-                unknowns[at] = width;
-            }
-        }
     }
 
     /// Damped least squares with sides and outliers held.
@@ -116,9 +107,8 @@ impl Problem<'_> {
         &self,
         terms: &[Term],
         start: Vec<f64>,
-        sides: Option<&[Sides]>,
-        outliers: &Option<Outliers>,
-        rows: RowSelection,
+        (sides, outliers): (Option<&[Sides]>, Option<&Outliers>),
+        keep: Option<&[bool]>,
     ) -> Fit {
         let contexts = match sides {
             Some(sides) => sides
@@ -127,22 +117,12 @@ impl Problem<'_> {
                 .collect(),
             None => self.posture_contexts(None),
         };
-        let mut root = rows.root(outliers.as_ref());
-        root.iter_mut()
-            .for_each(|root| root.resize(self.height(), 1.0));
-        let masses = self.masses(terms);
-        let reweighted = root.as_ref().map(|root| masses.reweighted(root));
-        let masses = reweighted.as_ref().unwrap_or(masses);
-        let weighting = Weighting {
-            contexts: &contexts,
-            root: root.as_deref(),
-            masses,
-        };
+        let weighting = self.weighting(terms, outliers, keep);
         let scales = self.scales(terms);
-        let expand = |unknowns| self.state(terms, unknowns, &weighting);
+        let expand = |unknowns| self.state(terms, unknowns, &contexts, &weighting);
         let state = damped::minimise(expand(start), &scales, expand);
         let covariance = self.covariance(&state, &scales, &weighting);
-        let mut objective = state.value + masses.log_det - self.nuisance.log_det;
+        let mut objective = state.value + weighting.masses.log_det - self.masses(&[]).log_det;
         objective += sides
             .iter()
             .copied()
@@ -150,13 +130,13 @@ impl Problem<'_> {
             .map(|own| own.penalty)
             .sum::<f64>();
         if let Some(outliers) = outliers {
-            let residual = &state.blocks[0].residual;
-            objective = outliers.objective(residual, rows.keep, objective);
+            let residual = &state.there[0].residual;
+            objective = outliers.objective(residual, keep, objective);
         }
-        let mut blocks = state.blocks;
+        let mut blocks = state.there;
         let settled = blocks
             .iter_mut()
-            .zip(self.blocks())
+            .zip(&self.blocks)
             .zip(sides.unwrap_or_default());
         for ((own, block), sides) in settled {
             own.sides = Some(block.sides_of(&sides.posture_context));
@@ -168,10 +148,8 @@ impl Problem<'_> {
             unknowns: state.unknowns,
             covariance,
             objective,
-            first: blocks.remove(0),
-            others: blocks,
-            outliers: outliers.clone(),
-            at_bound: state.at_bound,
+            blocks,
+            outliers: outliers.cloned(),
             masses: None,
         }
     }
@@ -190,7 +168,7 @@ impl Problem<'_> {
         scales: &[f64],
         weighting: &Weighting,
     ) -> DMatrix<f64> {
-        let as_white = damped::covariance(&state.normal.0, scales);
+        let as_white = damped::covariance(&state.normal, scales);
         match self.lasting_spread(state, weighting) {
             Some(spread) => &as_white + &as_white * spread * &as_white,
             None => as_white,
@@ -202,16 +180,16 @@ impl Problem<'_> {
     fn lasting_spread(&self, state: &State, weighting: &Weighting) -> Option<DMatrix<f64>> {
         let lasts =
             |block: &Block| block.data.t.is_some() && block.lasting.iter().any(Option::is_some);
-        if !self.blocks().any(lasts) {
+        if !self.blocks.iter().any(lasts) {
             return None;
         }
         let unknowns = state.unknowns.len();
-        let mut z = stacked_slopes(state.blocks.iter(), unknowns);
+        let mut z = stacked_slopes(&state.there, unknowns);
         weighting.weigh(&mut z);
         z = weighting.masses.project_out(&z);
         weighting.weigh(&mut z);
         let mut spread = DMatrix::zeros(unknowns, unknowns);
-        for (block, range) in self.blocks().zip(self.readings()) {
+        for (block, range) in self.blocks.iter().zip(self.readings()) {
             let Some(t) = &block.data.t else { continue };
             for (axis, process) in block.lasting.iter().enumerate() {
                 let Some(process) = process else { continue };
@@ -226,7 +204,7 @@ impl Problem<'_> {
     pub fn scales(&self, terms: &[Term]) -> Vec<f64> {
         terms
             .iter()
-            .flat_map(|term| term.scales(&self.first.context))
+            .flat_map(|term| term.scales(&self.first().context))
             .collect()
     }
 
@@ -238,35 +216,13 @@ impl Problem<'_> {
         contexts: &[Cow<[f64]>],
         q: Option<&[Vec<f64>]>,
     ) -> Vec<OnBlock> {
-        let blocks = self.blocks().zip(contexts).enumerate();
-        blocks
-            .map(|(at, (block, context))| {
-                let own = self.carried(block, terms);
-                let given = own.unknowns(unknowns);
-                let q = q.map_or(&block.data.q, |q| &q[at]);
-                let out = block.evaluate(&own.terms, &given, q, context);
-                let width = given.len() + 1;
-                let rows = 2 * block.data.len();
-                let predicted = (0..rows).map(|row| block.of_cad(row, out[row * width]));
-                let predicted: Vec<f64> = predicted.collect();
-                let residual = block.residual(&predicted);
-                let slopes = DMatrix::from_fn(rows, given.len(), |row, k| {
-                    out[row * width + 1 + k] * block.weight[row]
-                });
-                let closed = block.closed(&own.terms, &given, q, context);
-                OnBlock {
-                    predicted: Arc::new(predicted),
-                    residual: Arc::new(residual),
-                    slopes: Arc::new(own.by_unknowns(slopes, unknowns.len())),
-                    closed: closed.map(|closed| Closed {
-                        slopes: own.by_unknowns(closed.slopes, unknowns.len()),
-                        ..closed
-                    }),
-                    sides: None,
-                    flipped: Vec::new(),
-                }
-            })
-            .collect()
+        let blocks = self.blocks.iter().zip(contexts).enumerate();
+        let predicted = blocks.map(|(at, (block, context))| {
+            let own = self.carried(block, terms);
+            let q = q.map_or(&block.data.q, |q| &q[at]);
+            block.predict(&own, unknowns, q, context)
+        });
+        predicted.collect()
     }
 
     /// The likelihood at given unknowns, bounds as walls.
@@ -274,37 +230,25 @@ impl Problem<'_> {
         &self,
         terms: &[Term],
         unknowns: Vec<f64>,
+        contexts: &[Cow<[f64]>],
         weighting: &Weighting,
     ) -> State {
-        let blocks = self.predict(terms, &unknowns, weighting.contexts, None);
+        let blocks = self.predict(terms, &unknowns, contexts, None);
         let width = unknowns.len();
         // Slopes, and residuals behind them: masses are taken from all of them at once.
-        let mut rows = stacked_slopes(blocks.iter(), width).insert_column(width, 0.0);
-        rows.set_column(width, &stacked_residual(blocks.iter()));
+        let mut rows = stacked_slopes(&blocks, width).insert_column(width, 0.0);
+        rows.set_column(width, &stacked_residual(&blocks));
         weighting.weigh(&mut rows);
-        let left = self.project_out(weighting.masses, &rows);
+        let left = self.project_out(&weighting.masses, &rows);
         let products = transposed_times(&rows, &left);
         let mut state = State {
             value: products[(width, width)],
-            normal: (
-                products.view((0, 0), (width, width)).into_owned(),
-                products.view((0, width), (width, 1)).column(0).into_owned(),
-            ),
-            at_bound: 0.0,
+            normal: products.view((0, 0), (width, width)).into_owned(),
+            gradient: products.view((0, width), (width, 1)).column(0).into_owned(),
+            there: blocks,
             unknowns,
-            blocks,
         };
-        let (normal, gradient) = &mut state.normal;
-        self.walls(terms, &state.unknowns, |violation, slope| {
-            state.value += violation * violation;
-            state.at_bound += violation * violation;
-            for a in 0..slope.len() {
-                gradient[a] -= violation * slope[a];
-                for b in 0..slope.len() {
-                    normal[(a, b)] += slope[a] * slope[b];
-                }
-            }
-        });
+        self.add_walls(terms, &mut state);
         if !state.value.is_finite() {
             state.value = f64::INFINITY;
         }
@@ -312,71 +256,47 @@ impl Problem<'_> {
     }
 
     /// Each bound that is crossed, with its slope by the unknowns.
-    fn walls(&self, terms: &[Term], unknowns: &[f64], mut each: impl FnMut(f64, &[f64])) {
-        for (term, places) in with_places(terms, &self.first.context) {
-            let own = &unknowns[places.clone()];
-            let violation = |x: &[f64]| term.bound_violation(&self.first.context, x);
-            let now = violation(own);
-            if now.iter().any(|x| *x > 0.0) {
-                let scales = term.scales(&self.first.context);
-                let mut slopes = vec![vec![0.0; unknowns.len()]; now.len()];
-                for k in 0..own.len() {
-                    let mut moved = own.to_vec();
+    fn add_walls(&self, terms: &[Term], state: &mut State) {
+        let context = &self.first().context;
+        for (term, places) in with_places(terms, context) {
+            let own = state.unknowns[places.clone()].to_vec();
+            let violation = |x: &[f64]| term.bound_violation(context, x);
+            let scales = term.scales(context);
+            for (wall, now) in violation(&own).into_iter().enumerate() {
+                if now <= 0.0 {
+                    continue;
+                }
+                let slope = DVector::from_fn(own.len(), |k, _| {
+                    let mut moved = own.clone();
                     let step = 1e-6 * scales[k];
                     moved[k] += step;
-                    for (wall, after) in violation(&moved).iter().enumerate() {
-                        slopes[wall][places.start + k] = (after - now[wall]) / step;
-                    }
-                }
-                for (wall, slope) in slopes.iter().enumerate() {
-                    if now[wall] > 0.0 {
-                        each(now[wall], slope);
-                    }
-                }
+                    (violation(&moved)[wall] - now) / step
+                });
+                let (at, count) = (places.start, own.len());
+                state.value += now * now;
+                let mut gradient = state.gradient.rows_mut(at, count);
+                gradient -= now * &slope;
+                let mut normal = state.normal.view_mut((at, at), (count, count));
+                normal += &slope * slope.transpose();
             }
         }
     }
 }
 
-/// What is held while unknowns are fitted.
+/// How rows count while unknowns are fitted.
 pub(in crate::diagnose) struct Weighting<'w> {
-    /// What is known of the postures of each block.
-    pub contexts: &'w [Cow<'w, [f64]>],
     /// Root of the weight of each row; none where all count alike.
-    pub root: Option<&'w [f64]>,
-    pub masses: &'w Nuisance,
+    pub root: Option<Vec<f64>>,
+    /// The masses' directions in rows that count so.
+    pub masses: Cow<'w, Nuisance>,
 }
 
 impl Weighting<'_> {
-    fn weigh(&self, rows: &mut DMatrix<f64>) {
-        let roots = self.root.into_iter().flatten().enumerate();
+    pub fn weigh(&self, rows: &mut DMatrix<f64>) {
+        let roots = self.root.iter().flatten().enumerate();
         roots.for_each(|(row, root)| rows.row_mut(row).scale_mut(*root));
     }
 }
 
-/// A hypothesis at given unknowns.
-pub(in crate::diagnose) struct State {
-    pub unknowns: Vec<f64>,
-    pub blocks: Vec<OnBlock>,
-    pub value: f64,
-    pub normal: (DMatrix<f64>, DVector<f64>),
-    pub at_bound: f64,
-}
-
-impl Expansion for State {
-    fn unknowns(&self) -> &[f64] {
-        &self.unknowns
-    }
-
-    fn value(&self) -> f64 {
-        self.value
-    }
-
-    fn normal(&self) -> &DMatrix<f64> {
-        &self.normal.0
-    }
-
-    fn gradient(&self) -> &DVector<f64> {
-        &self.normal.1
-    }
-}
+/// A hypothesis at given unknowns, with what it predicts of each block there.
+pub(in crate::diagnose) type State = Expansion<Vec<OnBlock>>;

@@ -82,10 +82,9 @@ fn readings_tell_the_side_where_both_hold() {
         // settled by gravity of masses known to half a millimetre.
         let told = flipped
             .iter()
-            .filter(|k| fit.first.flipped.contains(k))
+            .filter(|k| fit.blocks[0].flipped.contains(k))
             .count();
-        let wrong = fit
-            .first
+        let wrong = fit.blocks[0]
             .flipped
             .iter()
             .filter(|k| !flipped.contains(k))
@@ -94,10 +93,10 @@ fn readings_tell_the_side_where_both_hold() {
         assert!(
             wrong <= 1,
             "{seed}: {:?} beside {flipped:?}",
-            fit.first.flipped
+            fit.blocks[0].flipped
         );
         let layout = PostureContext::of(&bench.model);
-        assert!(fit.first.sides.is_some());
+        assert!(fit.blocks[0].sides.is_some());
         let posture_context = problem.posture_contexts(Some(&fit)).swap_remove(0);
         let agree = (0..takes.len())
             .filter(|k| posture_context[k * layout.len() + layout.side(joint)] == takes[*k].0)

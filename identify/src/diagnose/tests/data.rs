@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use super::{Bench, NOISE, diagnosed, gauss, says};
 use crate::diagnose::Verdict;
-use crate::logs::{Options, Readings};
+use crate::logs::{LogSource, Options, ROOM, Readings, Samples};
 use crate::observations::noise::NoiseSource;
+use crate::observations::postures::Postures;
 use crate::observations::postures::gathering::MOST;
-use crate::observations::postures::{Postures, Taking};
 
 const HEADER: &str = "pose,hip,knee,cop_x,cop_y";
 
@@ -17,18 +17,17 @@ fn read(log: &str, sidecar: &str, noise: Option<f64>) -> Result<Postures, String
     let path = folder.path().join("log.csv");
     std::fs::write(&path, log).unwrap();
     std::fs::write(folder.path().join("log.toml"), sidecar).unwrap();
-    let taking = Taking {
-        options: Options {
-            readings: Readings::Required,
-            links: ["foot", "thigh", "shank"].map(String::from).to_vec(),
-            support: Some("foot".into()),
-            any_unit: true,
-            ..Options::default()
-        },
-        noise,
-        floor: 1e-4,
+    let options = Options {
+        readings: Readings::Required,
+        links: ["foot", "thigh", "shank"].map(String::from).to_vec(),
+        support: Some("foot".into()),
+        any_unit: true,
+        ..Options::default()
     };
-    let read = Postures::read(&path, &Bench::skew().model, &taking, &mut ());
+    let (model, log) = (Bench::skew().model, LogSource::from(&path));
+    let dofs = model.tree.dofs.clone();
+    let samples = Samples::of_joints(&log, dofs, &options, ROOM, &mut ());
+    let read = samples.and_then(|samples| Postures::read(&samples, &model, (noise, 1e-4), &mut ()));
     read.map_err(|error| error.to_string())
 }
 
@@ -206,15 +205,15 @@ fn without_any_word_on_noise_free_masses_tell() {
     assert_eq!(data.noise_source, NoiseSource::Residuals);
     let problem = bench.problem(data, "tight");
     // Each axis has its own; a median of 300 sizes scatters by 6.7 %.
-    let std = |axis: usize| 1.0 / problem.first.weight[axis];
+    let std = |axis: usize| 1.0 / problem.first().weight[axis];
     for axis in 0..2 {
         let expected = ((axis + 1) as f64 * NOISE).hypot(1e-4);
         assert!((std(axis) / expected - 1.0).abs() < 0.2, "{axis}");
-        let own = problem.first.weight.iter().skip(axis).step_by(2);
+        let own = problem.first().weight.iter().skip(axis).step_by(2);
         own.for_each(|w| near(w * std(axis), 1.0));
     }
-    let floor = problem.first.data.noise.hypot(1e-4);
-    near(problem.first.data.noise_floor, floor);
+    let floor = problem.first().data.noise.hypot(1e-4);
+    near(problem.first().data.noise_floor, floor);
     let both = (std(0).powi(2) + std(1).powi(2)) / 2.0;
     near(both.sqrt(), floor);
 }
@@ -229,7 +228,7 @@ fn repeats_tell_the_noise_of_each_axis() {
     for axis in 0..2 {
         // Of a mean of two, beside 0.1 mm.
         let expected = ((axis + 1) as f64 * NOISE / 2_f64.sqrt()).hypot(1e-4);
-        let own = problem.first.weight.iter().skip(axis).step_by(2);
+        let own = problem.first().weight.iter().skip(axis).step_by(2);
         for ratio in own.map(|w| w * expected) {
             assert!((ratio - 1.0).abs() < 0.15, "{axis}: {ratio}");
         }

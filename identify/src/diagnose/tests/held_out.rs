@@ -3,9 +3,11 @@
 use super::{Bench, NOISE, term};
 use crate::diagnose::held_out::{apart, cross_validate, of_cad, parts};
 use crate::diagnose::problem::{ALL, Problem};
+use crate::logs::{LogSource, Options, ROOM, Samples};
+use crate::observations::postures::Postures;
 
 /// Cross-validated errors with the effects named, none where there are none.
-fn errors(problem: &Problem, effects: &[(&str, &str)]) -> crate::diagnose::held_out::HeldOut {
+fn errors(problem: &Problem, effects: &[(&str, &str)]) -> crate::diagnose::findings::HeldOut {
     let terms: Vec<_> = effects
         .iter()
         .map(|(effect, target)| term(problem, effect, target))
@@ -54,7 +56,7 @@ fn stretches_of_time_are_held_out() {
     let mut timed = bench.problem(data, "tight");
     let stretches = |count: usize| -> Vec<usize> { (0..100).map(|k| k * count / 100).collect() };
     assert_eq!(parts(&timed), stretches(20));
-    timed.first.widened = [1.0, 3.0];
+    timed.blocks[0].widened = [1.0, 3.0];
     assert_eq!(parts(&timed), stretches(5));
 }
 
@@ -76,15 +78,12 @@ fn folds_never_share_a_pose() {
         }
     }
     std::fs::write(&path, log).unwrap();
-    let taking = crate::observations::postures::Taking {
-        options: crate::logs::Options::default(),
-        // Of a single reading: the mean of three is known to NOISE.
-        noise: Some(NOISE * 3.0_f64.sqrt()),
-        floor: 0.0,
-    };
-    let pooled =
-        crate::observations::postures::Postures::read(&path, &bench.model, &taking, &mut ())
-            .unwrap();
+    let (log, options) = (LogSource::from(&path), Options::default());
+    let dofs = bench.model.tree.dofs.clone();
+    let samples = Samples::of_joints(&log, dofs, &options, ROOM, &mut ()).unwrap();
+    // Of a single reading: the mean of three is known to NOISE.
+    let noise = (Some(NOISE * 3.0_f64.sqrt()), 0.0);
+    let pooled = Postures::read(&samples, &bench.model, noise, &mut ()).unwrap();
     assert_eq!(pooled.len(), 30);
     let once = errors(&bench.problem(data, "tight"), &[("sensor_offset", "-")]);
     let thrice = errors(&bench.problem(pooled, "tight"), &[("sensor_offset", "-")]);
@@ -107,8 +106,8 @@ fn a_useless_effect_does_not_pay() {
         let problem = bench.certain(bench.log(&bench.world(), &q, seed));
         let with = errors(&problem, &[("sensor_offset", "-")]);
         let without = errors(&problem, &[]);
-        assert!((without.rmse - of_cad(&problem).rmse).abs() < 1e-12);
-        more += (with.rmse.powi(2) - without.rmse.powi(2)) / (NOISE * NOISE);
+        assert!((without.gap.rmse - of_cad(&problem).gap.rmse).abs() < 1e-12);
+        more += (with.gap.rmse.powi(2) - without.gap.rmse.powi(2)) / (NOISE * NOISE);
     }
     // 20 folds of 2; by two axes and 60 logs known to 2/n'/√120.
     let expected = 1.0 / (POSTURES as f64 - 2.0);
@@ -126,11 +125,11 @@ fn the_numbers_are_those_of_the_errors_and_the_same_every_time() {
     let q = bench.postures(30, 5);
     let world = bench.world().sensor_offset([0.004, -0.002]);
     let problem = bench.problem(bench.log(&world, &q, 5), "cad");
-    let raw = of_cad(&problem);
+    let raw = of_cad(&problem).gap;
     let by_hand: Vec<f64> = q
         .chunks(2)
         .flat_map(|q| bench.world().cop(q))
-        .zip(&problem.first.data.reading)
+        .zip(&problem.first().data.reading)
         .map(|(cop, y)| y - cop)
         .collect();
     let mean = |axis: usize| by_hand.iter().skip(axis).step_by(2).sum::<f64>() / 30.0;

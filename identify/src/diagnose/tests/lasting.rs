@@ -173,18 +173,20 @@ fn intervals_hold_where_how_long_noise_lasts_is_estimated() {
     let (mut all, mut hold) = (0, 0);
     for seed in 0..LOGS {
         let plain = bench.certain(log(&bench, 0..ROWS, seed));
-        let t = plain.first.data.t.clone().unwrap();
+        let t = plain.first().data.t.clone().unwrap();
         let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&plain, name, "-"));
         let mut problem = plain.clone();
         let mut fit = problem.fit(&terms, None, ALL);
         for _ in 0..2 {
             let axes = [0, 1].map(|axis| {
                 let whole =
-                    |k: usize| problem.first.widened[axis] * fit.first.residual[2 * k + axis];
+                    |k: usize| problem.first().widened[axis] * fit.blocks[0].residual[2 * k + axis];
                 let y = DVector::from_fn(ROWS, |k, _| whole(k));
-                let x = DMatrix::from_fn(ROWS, 1 + fit.first.slopes.ncols(), |k, c| match c {
+                let x = DMatrix::from_fn(ROWS, 1 + fit.blocks[0].slopes.ncols(), |k, c| match c {
                     0 => 1.0,
-                    c => problem.first.widened[axis] * fit.first.slopes[(2 * k + axis, c - 1)],
+                    c => {
+                        problem.first().widened[axis] * fit.blocks[0].slopes[(2 * k + axis, c - 1)]
+                    }
                 });
                 Correlation::of(&t, &y, &x)
             });

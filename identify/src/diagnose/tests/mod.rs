@@ -137,7 +137,7 @@ impl Bench {
 
     fn of(&self, data: Postures, prior: &Prior) -> Problem<'_> {
         let block = Block::new(&self.model, data, None, &Catalog::standard());
-        Problem::new(block, Vec::new(), prior)
+        Problem::new(vec![block], prior)
     }
 
     fn diagnose(&self, data: Postures, prior: &str) -> Explained {
@@ -183,8 +183,8 @@ fn request(log: impl Into<LogSource>) -> Request {
 
 /// A log beside that of an experiment.
 fn together<'m>(first: &Problem<'m>, second: &Problem<'m>, experiment: Experiment) -> Problem<'m> {
-    let second = second.first.clone().beside(&first.first, experiment);
-    first.about(vec![first.first.clone(), second])
+    let second = second.first().clone().beside(first.first(), experiment);
+    first.about(vec![first.first().clone(), second])
 }
 
 fn about() -> About<'static> {
@@ -200,9 +200,7 @@ fn about() -> About<'static> {
 
 fn diagnosed(problem: &mut Problem) -> Explained {
     let mut found = find(problem, &about(), &mut ()).unwrap();
-    let said = super::verdict::sentences(problem, &found);
-    found.diagnosis.sentence = said.whole();
-    found.diagnosis.lead = said.lead;
+    super::verdict::state(problem, &mut found);
     found
 }
 
@@ -218,8 +216,12 @@ fn term(problem: &Problem, effect: &str, target: &str) -> Term {
         "mass_distribution" => return Term::Masses,
         _ => (),
     }
-    let effect = problem.first.context.catalog.named(effect).unwrap();
-    let target = problem.first.context.target_named(effect, target).unwrap();
+    let effect = problem.first().context.catalog.named(effect).unwrap();
+    let target = problem
+        .first()
+        .context
+        .target_named(effect, target)
+        .unwrap();
     Term::Effect(Instance { effect, target })
 }
 

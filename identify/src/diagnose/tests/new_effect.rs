@@ -163,13 +163,14 @@ fn its_bounds_load_dead_band_and_experiments_are_those_it_states() {
     let prior = Prior::named("tight", &bench.model).unwrap();
     let of = |data: Postures, effects: &Catalog| {
         let block = Block::new(&bench.model, data, None, effects);
-        Problem::new(block, Vec::new(), &prior)
+        Problem::new(vec![block], &prior)
     };
     let plain = of(data.clone(), &Catalog::standard());
     let problem = of(data, &effects());
     let of = |name: &str, target: &str| {
-        let mut terms = effect_terms(&problem.first.context).into_iter();
-        let wanted = |t: &Term| t.name() == name && t.target_name(&problem.first.context) == target;
+        let mut terms = effect_terms(&problem.first().context).into_iter();
+        let wanted =
+            |t: &Term| t.name() == name && t.target_name(&problem.first().context) == target;
         terms.find(wanted).unwrap()
     };
     let eccentric = [of("joint_eccentric", "knee")];
@@ -179,20 +180,20 @@ fn its_bounds_load_dead_band_and_experiments_are_those_it_states() {
     assert!((own - problem.penalty(&offset)).abs() < 1e-12);
     assert!(own > plain.penalty(&offset));
     // A fit stays near its bound, and says that it was touched.
-    let violation = eccentric[0].bound_violation(&problem.first.context, &[0.21]);
+    let violation = eccentric[0].bound_violation(&problem.first().context, &[0.21]);
     assert!((violation[0] - 1.0).abs() < 1e-9);
-    let fit = problem.fit(&eccentric, Some(&[0.05]), ALL);
+    let fit = problem.fit_from(&eccentric, vec![0.05], ALL);
     assert!(fit.unknowns[0].abs() < 0.2);
     let effect = eccentric[0].effect().unwrap().effect;
     assert_eq!(effect.load_share(&[0.25]), 0.5);
     // Experiments scale it, or leave it out.
-    let context = &problem.first.context;
-    let within = |experiment| carried(experiment, context, context, &eccentric);
+    let context = &problem.first().context;
+    let within = |experiment| carried(Some(experiment), context, context, &eccentric);
     assert_eq!(within(Experiment::Turned).columns, [(0, -1.0)]);
     assert!(within(Experiment::Untouched).terms.is_empty());
     // Only the loose one has sides to choose.
     let loose = [of("joint_loose", "all")];
-    assert!(problem.first.slack_joints(&eccentric).is_empty());
-    assert_eq!(problem.first.slack_joints(&loose), [(0, 0), (1, 0)]);
-    assert!(problem.fit(&loose, None, ALL).first.sides.is_some());
+    assert!(problem.first().slack_joints(&eccentric).is_empty());
+    assert_eq!(problem.first().slack_joints(&loose), [(0, 0), (1, 0)]);
+    assert!(problem.fit(&loose, None, ALL).blocks[0].sides.is_some());
 }

@@ -8,7 +8,7 @@ use super::OP2_URDF;
 use super::{Bench, NOISE, about, diagnosed, gauss, term, together};
 use crate::diagnose::criteria::{CLASS_SCORE, TOLD_APART};
 use crate::diagnose::diagnosis::find;
-use crate::diagnose::next_postures::{OnFoot, next};
+use crate::diagnose::experiment::{NextLog, proposed};
 use crate::diagnose::problem::{ALL, Block, Problem};
 use crate::fit::prior::Prior;
 use crate::observations::postures::Postures;
@@ -59,11 +59,8 @@ fn taken<'m>(model: &'m Model, world: &World, q: &[f64], seed: u64) -> Problem<'
     let reading: Vec<f64> = cop.map(|x| x + NOISE * gauss()).collect();
     let data = Postures::given(model.dof(), q, &reading, NOISE, 0.0);
     let prior = Prior::named("tight", model).unwrap();
-    Problem::new(
-        Block::new(model, data, None, &Catalog::standard()),
-        Vec::new(),
-        &prior,
-    )
+    let block = Block::new(model, data, None, &Catalog::standard());
+    Problem::new(vec![block], &prior)
 }
 
 #[test]
@@ -85,20 +82,22 @@ fn the_first_experiment_splits_the_class() {
             if before.len() < 2 || !before.contains(&truth) {
                 continue;
             }
-            let next = next(&problem, &found, &robot, Snapping::default(), None);
-            let experiment = next.experiment.unwrap();
-            let OnFoot { support, q, .. } = next.postures.as_ref().unwrap();
+            let named = (&robot, "op2");
+            let (best, next) =
+                proposed(&problem, &found, named, Snapping::default(), None).swap_remove(0);
+            let NextLog { support, q, .. } = &next;
+            let experiment = next.experiment;
             let model = robot.model(support, Snapping::default(), None).unwrap();
             let world = World::new(&bench.twin, support).unwrap();
             let world = hide(world, &label, offset, &experiment);
             let further = taken(&model, &world, q, 500 + seed);
-            let log = bench.problem(problem.first.data.clone(), "tight");
+            let log = bench.problem(problem.first().data.clone(), "tight");
             let mut both = together(&log, &further, experiment);
             let after = find(&mut both, &about(), &mut ()).unwrap();
             let after = after.diagnosis.indistinguishable;
             let gone = before.iter().filter(|rival| !after.contains(rival)).count();
             let remains = after.contains(&truth);
-            let said = next.proposals[0].splits;
+            let said = best.splits;
             asked += 1;
             split += usize::from(remains && gone > 0);
             as_said += usize::from(remains && gone >= said);
@@ -187,7 +186,7 @@ fn logs_share_the_masses_of_what_is_stated() {
     };
     let stated = |mut problem: Problem| {
         let found = find(&mut problem, &about(), &mut ()).unwrap();
-        assert!(!problem.is_about_cad(), "masses of CAD predict it");
+        assert!(problem.first().offset.is_some(), "masses of CAD predict it");
         let steps = found.diagnosis.steps;
         let knee = steps.iter().find(|step| step.target == "r_knee");
         let knee = knee.unwrap_or_else(|| panic!("{}", found.diagnosis.sentence));

@@ -125,7 +125,7 @@ fn slips_do_not_move_the_effect_beside_them() {
     // Plain least squares follows the outliers.
     assert!(deviations(&problem.fit(&[offset], None, ALL)) > 5.0);
     let found = bench
-        .diagnose(problem.first.data.clone(), "tight")
+        .diagnose(problem.first().data.clone(), "tight")
         .diagnosis;
     assert_eq!(found.outliers, slips.map(|k| k as i64));
 }

@@ -40,9 +40,9 @@ fn differ(problem: &Problem, terms: &[Term]) -> f64 {
     let scales = problem.scales(terms);
     let at: Vec<f64> = scales.iter().map(|scale| 0.3 * scale).collect();
     let run = |x: &[f64]| {
-        let data = &problem.first.data;
+        let data = &problem.first().data;
         problem
-            .first
+            .first()
             .evaluate(terms, x, &data.q, &data.posture_context)
     };
     let (here, width) = (run(&at), scales.len() + 1);
@@ -73,8 +73,8 @@ fn slopes_of_every_effect_are_central_differences() {
     let bench = Bench::skew();
     let problem = everything(&bench);
     let mut seen = Vec::new();
-    for term in effect_terms(&problem.first.context) {
-        if term.unknowns(&problem.first.context) == 0 {
+    for term in effect_terms(&problem.first().context) {
+        if term.unknowns(&problem.first().context) == 0 {
             continue;
         }
         let off = differ(&problem, std::slice::from_ref(&term));
@@ -164,7 +164,7 @@ fn values_are_found_and_their_deviations_are_honest() {
         let mut of_effect = 0.0;
         for seed in 0..SEEDS {
             let mut gauss = gauss(100 + seed);
-            problem.first.data.reading = clean.iter().map(|x| x + NOISE * gauss()).collect();
+            problem.blocks[0].data.reading = clean.iter().map(|x| x + NOISE * gauss()).collect();
             let fit = problem.fit(&own, None, ALL);
             let found = values(&problem, &fit);
             assert_eq!(found.len(), truth.len());
@@ -200,7 +200,7 @@ fn penalties_grow_with_unknowns_and_targets() {
         let problem = bench.certain(bench.log(&bench.world(), &q, 1));
         let (joints, links) = (
             bench.model.dof() as f64,
-            problem.first.context.links().len() as f64,
+            problem.first().context.links().len() as f64,
         );
         let penalty = |problem: &Problem, effect: &str, target: &str| {
             problem.penalty(&[term(problem, effect, target)])
@@ -217,7 +217,7 @@ fn penalties_grow_with_unknowns_and_targets() {
         let sum = rotation + penalty(&problem, "sensor_gain", "-");
         assert!((problem.penalty(&both) - sum).abs() < 1e-12);
         // By how well targets are seen: the chance of an effect stays what it was.
-        let terms = effect_terms(&problem.first.context);
+        let terms = effect_terms(&problem.first().context);
         let chance = |problem: &Problem, name: &str| {
             let own = terms.iter().filter(|i| i.name() == name);
             let penalties = own.map(|i| problem.penalty(std::slice::from_ref(i)));
@@ -225,7 +225,7 @@ fn penalties_grow_with_unknowns_and_targets() {
         };
         let names = ["joint_offset", "payload", "joint_scale", "sensor_gain"];
         let even = names.map(|name| chance(&problem, name));
-        let problem = Search::new(problem).problem();
+        let problem = Search::new(problem).problem;
         for (name, even) in names.iter().zip(even) {
             let weighted = chance(&problem, name);
             assert!((weighted / even - 1.0).abs() < 1e-9, "{name}");
@@ -264,15 +264,15 @@ fn what_an_effect_gains_is_what_its_fit_comes_to_with_masses_known_and_free() {
                 continue;
             }
             let terms = [&parent[..], std::slice::from_ref(&candidate.term)].concat();
-            let terms = sorted(&problem.first.context, &terms);
+            let terms = sorted(&problem.first().context, &terms);
             let fit = problem.fit(&terms, None, ALL);
-            let offset = fit.unknowns_of(&problem.first.context, &candidate.term);
+            let offset = fit.unknowns_of(&problem.first().context, &candidate.term);
             if offset.is_none_or(|offset| offset[0].abs() > 0.04) {
                 // Readings are linear in small offsets alone.
                 continue;
             }
             let fell = before.objective - fit.objective;
-            let label = candidate.term.label(&problem.first.context);
+            let label = candidate.term.label(&problem.first().context);
             assert!(
                 (gain - fell).abs() < 0.15 * fell + 1.0,
                 "{label}: {gain} {fell}"

@@ -6,19 +6,17 @@
 //! χ²(s) = Σ (before + s (after − before))² / σ²            part s of the explanation
 //! ```
 
-mod predicted;
 mod spread;
 mod trends;
 
-pub use predicted::{Predicted, PredictedPoint};
 use sesc_model::effects::Target;
 pub use spread::{EDGE, Region, Regions, Spread};
-pub use trends::{Middle, Point, Quantity, Trend};
+pub use trends::{Middle, Point, Predicted, PredictedPoint, Quantity, Trend};
 
 use super::findings::Explained;
 use super::held_out;
 use super::problem::{Fit, Problem};
-use crate::observations::postures::rms;
+use crate::observations::postures::{range, rms};
 use crate::skeleton::Skeleton;
 
 /// Postures that a figure shows one by one; evenly chosen of more.
@@ -68,7 +66,7 @@ pub enum StageKind {
 }
 
 /// Rows of the figures.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct DiagnosisView {
     /// The postures, as many as a page can show.
     pub postures: Vec<Posture>,
@@ -127,9 +125,7 @@ impl Residuals {
             rms(kept.map(|(error, _)| error[0].hypot(error[1])))
         })
     }
-}
 
-impl Residuals {
     /// Coefficients of χ², and readings that are counted.
     fn chi2(&self, weight: &[f64]) -> ([f64; 3], usize) {
         let (mut sum, mut count) = ([0.0; 3], 0);
@@ -148,19 +144,13 @@ impl Residuals {
     }
 }
 
-/// Least and largest position of every joint, posture by posture in `q`.
-fn used(q: &[f64], dof: usize) -> Vec<[f64; 2]> {
-    let mut ends = vec![[f64::INFINITY, f64::NEG_INFINITY]; dof];
-    for (k, q) in q.iter().enumerate() {
-        let [low, high] = &mut ends[k % dof];
-        (*low, *high) = (low.min(*q), high.max(*q));
-    }
-    ends
-}
-
 impl DiagnosisView {
-    pub(crate) fn of(problem: &Problem, found: &Explained, skeleton: Skeleton) -> DiagnosisView {
-        let data = &problem.first.data;
+    pub(in crate::diagnose) fn of(
+        problem: &Problem,
+        found: &Explained,
+        skeleton: Skeleton,
+    ) -> DiagnosisView {
+        let (data, dof) = (&problem.first().data, problem.first().model.dof());
         let mut outlier = vec![false; data.len()];
         if let Some(outliers) = &found.best.outliers {
             outliers.named().into_iter().for_each(|k| outlier[k] = true);
@@ -171,10 +161,12 @@ impl DiagnosisView {
             outlier,
         };
         let rest = found.diagnosis.unexplained;
-        let context = &problem.first.context;
-        let (chi2, chi2_readings) = residuals.chi2(&problem.first.weight);
+        let context = &problem.first().context;
+        let (chi2, chi2_readings) = residuals.chi2(&problem.first().weight);
         DiagnosisView {
-            used: used(&data.q, problem.first.model.dof()),
+            used: (0..dof)
+                .map(|joint| range(data.q.iter().copied().skip(joint).step_by(dof)).into())
+                .collect(),
             cells: data.cells.clone(),
             skeleton,
             chi2,
@@ -183,7 +175,7 @@ impl DiagnosisView {
             timed: data.t.is_some(),
             rms_lengths: residuals.rms_lengths(),
             foot: foot(&data.cells),
-            predicted: predicted::predicted(problem, found, &residuals),
+            predicted: trends::predicted(problem, found, &residuals),
             by_position: trends::strongest(problem, found, &residuals, Quantity::Position),
             by_moment: trends::strongest(problem, found, &residuals, Quantity::Moment),
             trends_of_rest: rest,
@@ -201,6 +193,13 @@ impl DiagnosisView {
     }
 }
 
+/// Places of `n` postures in a small panel: each among those of the view, and of the log.
+fn of_panel(n: usize) -> impl Iterator<Item = (usize, usize)> {
+    let shown = chosen(n, MOST);
+    let places = chosen(shown.len(), PER_PANEL).into_iter();
+    places.map(move |posture| (posture, shown[posture]))
+}
+
 /// An even choice of `most` of `n` places, both ends in it.
 pub fn chosen(n: usize, most: usize) -> Vec<usize> {
     match n <= most {
@@ -210,8 +209,8 @@ pub fn chosen(n: usize, most: usize) -> Vec<usize> {
 }
 
 fn postures(problem: &Problem, residuals: &Residuals) -> Vec<Posture> {
-    let data = &problem.first.data;
-    let dof = problem.first.model.dof();
+    let data = &problem.first().data;
+    let dof = problem.first().model.dof();
     let of = |k: usize| {
         let measured = [0, 1].map(|axis| data.reading[2 * k + axis]);
         let less = |errors: &[f64]| [0, 1].map(|axis| measured[axis] - errors[2 * k + axis]);
@@ -229,13 +228,8 @@ fn postures(problem: &Problem, residuals: &Residuals) -> Vec<Posture> {
 }
 
 fn foot(cells: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
-    let first = cells.first()?;
-    let [mut least, mut most] = [*first, *first];
-    for [x, y] in cells {
-        least = [least[0].min(*x), least[1].min(*y)];
-        most = [most[0].max(*x), most[1].max(*y)];
-    }
-    Some([least, most])
+    let [x, y] = [0, 1].map(|axis| range(cells.iter().map(|cell| cell[axis])));
+    (!cells.is_empty()).then_some([[x.0, y.0], [x.1, y.1]])
 }
 
 /// Each with each; postures that the best of them does not explain are left out.
@@ -250,7 +244,7 @@ fn differences(problem: &Problem, class: &[Fit]) -> Vec<Vec<f64>> {
     };
     let apart = held_out::apart(problem, best);
     let between = |a: &[f64], b: &[f64]| {
-        let entries = a.iter().zip(b).zip(&problem.first.weight).enumerate();
+        let entries = a.iter().zip(b).zip(&problem.first().weight).enumerate();
         let kept = entries.filter(|(row, _)| !apart[row / 2]);
         rms(kept.map(|(_, ((a, b), w))| (a - b) * w))
     };

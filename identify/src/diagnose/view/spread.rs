@@ -2,7 +2,7 @@
 
 use super::super::problem::Problem;
 use super::Residuals;
-use crate::observations::postures::rms;
+use crate::observations::postures::{range, rms};
 
 /// Residuals are counted from −EDGE to EDGE, in units of noise.
 pub const EDGE: f64 = 6.0;
@@ -30,14 +30,14 @@ impl Spread {
     pub(super) fn of(problem: &Problem, residuals: &Residuals) -> Spread {
         let counted = |errors: &[f64]| {
             let (mut bins, mut beyond) = (vec![0; BINS], 0);
-            for (error, weight) in errors.iter().zip(&problem.first.weight) {
+            for (error, weight) in errors.iter().zip(&problem.first().weight) {
                 let place = (error * weight + EDGE) / (2.0 * EDGE) * BINS as f64;
                 match (0.0..BINS as f64).contains(&place) {
                     true => bins[place as usize] += 1,
                     false => beyond += 1,
                 }
             }
-            let entries = errors.iter().zip(&problem.first.weight).enumerate();
+            let entries = errors.iter().zip(&problem.first().weight).enumerate();
             let kept = entries.filter(|(row, _)| !residuals.outlier[row / 2]);
             (bins, beyond, rms(kept.map(|(_, (e, w))| e * w)))
         };
@@ -75,15 +75,13 @@ pub struct Regions {
 
 impl Regions {
     pub(super) fn of(problem: &Problem, residuals: &Residuals) -> Regions {
-        let reading = &problem.first.data.reading;
-        let kept: Vec<usize> = (0..problem.first.data.len())
+        let reading = &problem.first().data.reading;
+        let kept: Vec<usize> = (0..problem.first().data.len())
             .filter(|&k| !residuals.outlier[k])
             .collect();
         let ends = [0, 1].map(|axis| {
-            let values = kept.iter().map(|k| reading[2 * k + axis]);
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-                [low.min(x), high.max(x)]
-            })
+            let ends = range(kept.iter().map(|k| reading[2 * k + axis]));
+            [ends.0, ends.1]
         });
         let longest = ends
             .iter()
@@ -107,7 +105,7 @@ impl Regions {
         let region = |(place, own): (usize, &Vec<usize>)| {
             let rows = || own.iter().flat_map(|&k| [2 * k, 2 * k + 1]);
             let of =
-                |errors: &[f64]| rms(rows().map(|row| errors[row] * problem.first.weight[row]));
+                |errors: &[f64]| rms(rows().map(|row| errors[row] * problem.first().weight[row]));
             Region {
                 corner: [
                     ends[0][0] + side * (place / counts[1]) as f64,

@@ -16,17 +16,14 @@
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-use sesc_model::Model;
-
 use super::LogRows;
 use super::screen::{End, LeftOut, key, reading_of};
 use crate::Error;
 use crate::health::criteria::{
-    CLIPPED_MORE, FEW_ROWS, FINE, FROZEN_LONGER, FROZEN_MOVES, HELD_SHARE, NEARLY_ALL, SHOWS,
-    SOME_ROWS, UNKNOWN_NOISE_M,
+    FEW_ROWS, FINE, MORE_OFTEN, NEARLY_ALL, SHOWS, SOME_ROWS, UNKNOWN_NOISE_M,
 };
-use crate::health::wirings::scatter;
-use crate::health::{Finding, Kind, Picture};
+use crate::health::view::scatter;
+use crate::health::{Finding, Kind};
 use crate::observations::postures::range;
 
 impl LogRows {
@@ -42,68 +39,70 @@ impl LogRows {
         if self.cells > 0 { self.cells } else { 2 }
     }
 
-    fn channel(&self, channel: usize, rows: impl Iterator<Item = usize>) -> Vec<f64> {
-        let value = |k: usize| match self.cells {
-            0 => self.reading[k][channel],
-            _ => self.force(k)[channel],
-        };
-        rows.map(value).collect()
+    /// What a channel shows in a row, N or m.
+    fn value(&self, row: usize, channel: usize) -> f64 {
+        reading_of(&self.reading[row], self.force(row))[channel]
+    }
+
+    fn channel(&self, channel: usize, rows: &[usize]) -> Vec<f64> {
+        rows.iter().map(|&row| self.value(row, channel)).collect()
     }
 }
 
-/// Channels of the CoP, or of the cells, that are clipped or quantised; `model` says what free
-/// masses leave of a channel whose noise nobody states.
-pub(super) fn saturated(
-    rows: &LogRows,
-    model: Option<&Model>,
-    left_out: &mut LeftOut,
-) -> Vec<Finding> {
+/// Channels of the CoP, or of the cells, that are clipped or quantised.
+pub(super) fn saturated(rows: &LogRows, left_out: &mut LeftOut) -> Vec<Finding> {
     let mut found = Vec::new();
     let kept = rows.kept(left_out);
     let of_cells = rows.cells > 0;
     for channel in 0..rows.channels() {
-        let values = rows.channel(channel, kept.iter().copied());
-        let (name, unit, scale) = match of_cells {
-            true => (format!("fsr_{}", channel + 1), "N", 1.0),
-            false => (["cop_x", "cop_y"][channel].to_string(), "mm", 1e3),
+        let values = rows.channel(channel, &kept);
+        let (name, title, scale) = if of_cells {
+            let name = format!("fsr_{}", channel + 1);
+            (name.clone(), format!("Load on {name}, N"), 1.0)
+        } else {
+            let name = ["cop_x", "cop_y"][channel];
+            (name.to_string(), format!("{name}, mm"), 1e3)
         };
-        let load_on = if of_cells { "Load on " } else { "" };
         let mut say = |sentence: String, most: Option<f64>| {
-            let row = |k: usize| rows.row(kept[k]);
-            let meant = |k: usize| most.is_none_or(|most| values[k] == most);
-            let title = format!("{load_on}{name}, {unit}");
-            let value = |k: usize| scale * values[k];
-            let picture = Picture::of(&title, values.len(), row, value, meant);
-            found.push(Finding::new(Kind::ChannelSaturated, &name, sentence).showing(picture));
+            let meant = |k: usize| most.is_none_or(|most| rows.value(k, channel) == most);
+            let about = (Kind::ChannelSaturated, &*name, sentence);
+            found.push(rows.finding(about, &title, |k| scale * rows.value(k, channel), meant));
         };
-        let uppers: &[bool] = if of_cells { &[true] } else { &[true, false] };
-        for &upper in uppers {
-            let sign = if upper { 1.0 } else { -1.0 };
+        let signs: &[f64] = if of_cells { &[1.0] } else { &[1.0, -1.0] };
+        for &sign in signs {
             let signed: Vec<f64> = values.iter().map(|x| sign * x).collect();
-            let Some(count) = end(rows, &kept, &signed) else {
+            let Some((at, count)) = end(rows, &kept, &signed) else {
                 continue;
             };
-            let at = sign * range(signed.iter().copied()).1;
+            let of = format!(
+                "{name} ends at {:.1} {}, where {count} of {}",
+                scale * sign * at,
+                if of_cells { "N" } else { "mm" },
+                if of_cells {
+                    format!("{} rows", values.len())
+                } else {
+                    rows.total()
+                }
+            );
             let sentence = if of_cells {
                 format!(
-                    "{name} ends at {at:.1} N, where {count} of {} rows are: the cell is saturated \
-                     there. The effect cell_saturation says what is missing; check its range and \
-                     amplifier.",
-                    values.len()
+                    "{of} are: the cell is saturated there. The effect cell_saturation says what \
+                     is missing; check its range and amplifier."
                 )
             } else {
-                left_out.ends.push(End { channel, upper, at });
+                left_out.ends.push(End {
+                    axis: channel,
+                    sign,
+                    at,
+                });
                 format!(
-                    "{name} ends at {:.1} mm, where {count} of {} are: the channel is saturated \
-                     there; these rows are left out. Check its range and amplifier.",
-                    1e3 * at,
-                    rows.total()
+                    "{of} are: the channel is saturated there; these rows are left out. Check its \
+                     range and amplifier."
                 )
             };
-            say(sentence, Some(at));
+            say(sentence, Some(sign * at));
         }
-        let left = || rows.left_by_masses(model?, &kept, channel);
-        let step = (!of_cells).then(|| coarse_step(&values, rows.noise, left));
+        let step = (!of_cells).then(|| coarse_step(rows, &kept, channel, &values));
         if let Some(step) = step.flatten() {
             let std = step / f64::sqrt(12.0);
             left_out.steps[channel] = std;
@@ -119,18 +118,18 @@ pub(super) fn saturated(
     found
 }
 
-/// How many of the `kept` rows show exactly the largest value, where that is an end of the
+/// The largest value, and how many of the `kept` rows show exactly it, where that is an end of the
 /// channel and no chance: in several postures, and many times more than the next value.
-fn end(rows: &LogRows, kept: &[usize], values: &[f64]) -> Option<usize> {
+fn end(rows: &LogRows, kept: &[usize], values: &[f64]) -> Option<(f64, usize)> {
     let most = range(values.iter().copied()).1;
     let next = range(values.iter().copied().filter(|v| *v < most)).1;
     let at: Vec<usize> = (0..values.len()).filter(|&k| values[k] == most).collect();
     let beside = values.iter().filter(|v| **v == next).count();
     let postures: HashSet<u64> = at.iter().map(|&k| rows.key(kept[k], true, false)).collect();
     let least = FEW_ROWS.max((SOME_ROWS * values.len() as f64).ceil() as usize);
-    let ends = at.len() >= least && at.len() > CLIPPED_MORE * beside && postures.len() >= FEW_ROWS;
+    let ends = at.len() >= least && at.len() > MORE_OFTEN * beside && postures.len() >= FEW_ROWS;
     // A channel that never moves is another finding.
-    (ends && next.is_finite() && most != 0.0).then_some(at.len())
+    (ends && next.is_finite() && most != 0.0).then_some((most, at.len()))
 }
 
 /// The step that all values are multiples of, if there is one.
@@ -150,66 +149,92 @@ fn step(values: &[f64]) -> Option<f64> {
     (regular && 4 * shared >= gaps.len() && shared >= 2).then_some(least)
 }
 
-/// The step of a channel that is coarse: far above the noise, or with few levels. Where the
-/// noise is not known, it is what masses leave less what steps are of that:
+/// The step of a channel of the CoP that is coarse: far above the noise, or with few levels. Where
+/// the noise is not known, it is no more than what CAD leaves less what steps are of that:
 ///
 /// ```text
 /// σ² = s² − step²/12
 /// ```
-fn coarse_step(
-    values: &[f64],
-    noise: Option<f64>,
-    left: impl FnOnce() -> Option<f64>,
-) -> Option<f64> {
+fn coarse_step(rows: &LogRows, kept: &[usize], channel: usize, values: &[f64]) -> Option<f64> {
     let step = step(values)?;
     let levels = scatter(values) / step;
-    let above = |noise: f64| step > SHOWS * noise;
-    let coarse = match noise {
-        Some(noise) => above(noise),
-        None if levels < SHOWS => true,
-        None => left().is_some_and(|left| {
-            let of_steps = step * step / 12.0;
-            above((left * left - of_steps).max(0.0).sqrt())
-        }),
-    };
-    (coarse && levels > 0.1).then_some(step)
+    let noise = rows.noise.unwrap_or_else(|| {
+        let left = match rows.cad[..] {
+            _ if levels < SHOWS => 0.0,
+            [] => f64::INFINITY,
+            _ => rows.left_by_cad(kept, channel),
+        };
+        (left * left - step * step / 12.0).max(0.0).sqrt()
+    });
+    (step > SHOWS * noise && levels > 0.1).then_some(step)
 }
 
-/// What may freeze: one axis of the CoP, or the cells together.
-struct Channel {
-    values: Vec<u64>,
-    /// CoP by CAD of what it shows, m.
-    cad: Vec<[f64; 2]>,
-    /// CAD moves it by more than this in a frozen run, m.
-    least: f64,
-    /// Runs that show one of these are clipped.
-    ends: [u64; 2],
+/// Runs of the kept rows in which one axis of the CoP, or the cells together, stay the same while
+/// CAD moves what they show: how far, m, and what they show.
+fn frozen_runs(rows: &LogRows, kept: &[usize], channel: usize) -> Vec<(Range<usize>, f64, u64)> {
+    let mut least = (SHOWS * rows.noise.unwrap_or(0.0)).max(UNKNOWN_NOISE_M);
+    let (mut axes, mut ends) = (0..2, [0; 2]);
+    let mut values: Vec<u64> = kept.iter().map(|&k| rows.key(k, false, true)).collect();
+    if rows.cells == 0 {
+        axes = channel..channel + 1;
+        let own = rows.channel(channel, kept);
+        let (low, high) = range(own.iter().copied());
+        ends = [low.to_bits(), high.to_bits()];
+        least = least.max(SHOWS * step(&own).unwrap_or(0.0));
+        values = own.iter().map(|x| x.to_bits()).collect();
+    }
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for run in values.chunk_by(|a, b| a == b) {
+        let start = runs.last().map_or(0, |run| run.end);
+        runs.push(start..start + run.len());
+    }
+    let mut lengths: Vec<usize> = runs.iter().map(Range::len).collect();
+    lengths.sort_unstable();
+    // A channel that never moves is another finding.
+    if runs.len() < 2 {
+        return Vec::new();
+    }
+    let longest = FEW_ROWS.max(MORE_OFTEN * lengths[lengths.len() / 2]);
+    let frozen = runs.into_iter().filter_map(|run| {
+        let value = values[run.start];
+        let mut others = values[..run.start].iter().chain(&values[run.end..]);
+        // An end of the channel that other rows show, too, is where it is clipped.
+        let clipped = ends.contains(&value) && others.any(|other| *other == value);
+        let moves = |axis: usize| {
+            let (low, high) = range(kept[run.clone()].iter().map(|&k| rows.cad[k][axis]));
+            (high - low).powi(2)
+        };
+        let moved = axes.clone().map(moves).sum::<f64>().sqrt();
+        let is_frozen = run.len() > longest && !clipped && moved > least;
+        is_frozen.then_some((run, moved, value))
+    });
+    frozen.collect()
 }
 
 pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let n = rows.len();
     let kept = rows.kept(left_out);
-    let mut frozen = vec![[false; 2]; n];
-    let mut longest: Option<(Range<usize>, f64)> = None;
-    let mut count = 0;
-    for (number, channel) in Channel::all(rows, &kept).iter().enumerate() {
-        for (run, moved) in channel.frozen() {
-            count += 1;
-            for &k in &kept[run.clone()] {
-                frozen[k][number] = true;
-            }
-            left_out.frozen.insert((number, channel.values[run.start]));
-            let known = longest.as_ref().map_or(0, |(known, _)| known.len());
-            if run.len() > known {
-                longest = Some((run, moved));
-            }
+    let mut frozen: HashSet<(usize, usize)> = HashSet::new();
+    let mut runs = Vec::new();
+    for channel in 0..if rows.cells > 0 { 1 } else { 2 } {
+        for (run, moved, value) in frozen_runs(rows, &kept, channel) {
+            frozen.extend(kept[run.clone()].iter().map(|&k| (k, channel)));
+            left_out.frozen.insert((channel, value));
+            runs.push((run, moved));
         }
     }
-    let (run, moved) = longest?;
+    let count = runs.len();
+    // The first of the longest ones.
+    let (run, moved) = runs.into_iter().rev().max_by_key(|(run, _)| run.len())?;
     let (from, to) = (kept[run.start], kept[run.end - 1]);
-    let is_frozen = |k: usize| frozen[k][0] || frozen[k][1];
+    let is_frozen = |k: usize| (0..2).any(|channel| frozen.contains(&(k, channel)));
     let rows_frozen = (0..n).filter(|&k| is_frozen(k)).count();
-    let on = |axis: usize| (0..n).filter(|&k| frozen[k][axis]).count();
+    let on = |axis: usize| {
+        frozen
+            .iter()
+            .filter(|(_, channel)| *channel == axis)
+            .count()
+    };
     // Target of the finding, what stays, and the axis that shows it. A stretch of both axes was
     // counted on each.
     let (target, what, axis, stretches) = match (rows.cells > 0, on(0), on(1)) {
@@ -249,66 +274,6 @@ pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
     Some(rows.finding(about, title, |k| 1e3 * rows.reading[k][axis], is_frozen))
 }
 
-impl Channel {
-    fn all(rows: &LogRows, kept: &[usize]) -> Vec<Channel> {
-        let noise = FROZEN_MOVES * rows.noise.unwrap_or(0.0);
-        let least = noise.max(UNKNOWN_NOISE_M);
-        if rows.cells > 0 {
-            return vec![Channel {
-                values: kept.iter().map(|&k| rows.key(k, false, true)).collect(),
-                cad: kept.iter().map(|&k| rows.cad[k]).collect(),
-                least,
-                ends: [0; 2],
-            }];
-        }
-        let of = |axis: usize| {
-            let alone = |at: [f64; 2]| [0, 1].map(|k| if k == axis { at[k] } else { 0.0 });
-            let values = rows.channel(axis, kept.iter().copied());
-            let (low, high) = range(values.iter().copied());
-            Channel {
-                least: least.max(SHOWS * step(&values).unwrap_or(0.0)),
-                ends: [low.to_bits(), high.to_bits()],
-                values: values.iter().map(|x| x.to_bits()).collect(),
-                cad: kept.iter().map(|&k| alone(rows.cad[k])).collect(),
-            }
-        };
-        vec![of(0), of(1)]
-    }
-
-    /// Frozen runs, and how far CAD moves the CoP in each, m.
-    fn frozen(&self) -> Vec<(Range<usize>, f64)> {
-        let mut runs: Vec<Range<usize>> = Vec::new();
-        for run in self.values.chunk_by(|a, b| a == b) {
-            let start = runs.last().map_or(0, |run| run.end);
-            runs.push(start..start + run.len());
-        }
-        let mut lengths: Vec<usize> = runs.iter().map(Range::len).collect();
-        lengths.sort_unstable();
-        // A channel that never moves is another finding.
-        if runs.len() < 2 {
-            return Vec::new();
-        }
-        let longest = FEW_ROWS.max(FROZEN_LONGER * lengths[lengths.len() / 2]);
-        let moved = |run: Range<usize>| {
-            let [x, y] = [0, 1].map(|axis| {
-                let (low, high) = range(self.cad[run.clone()].iter().map(|p| p[axis]));
-                high - low
-            });
-            (run, x.hypot(y))
-        };
-        let long = |run: &Range<usize>| run.len() > longest && !self.is_clipped(run);
-        let moving = runs.into_iter().filter(long).map(moved);
-        moving.filter(|(_, moved)| *moved > self.least).collect()
-    }
-
-    /// Whether a run shows an end of the channel that other rows show, too.
-    fn is_clipped(&self, run: &Range<usize>) -> bool {
-        let value = self.values[run.start];
-        let mut outside = (0..run.start).chain(run.end..self.values.len());
-        self.ends.contains(&value) && outside.any(|k| self.values[k] == value)
-    }
-}
-
 pub(super) fn copied(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let mut known: HashMap<u64, i64> = HashMap::new();
     let mut readings: HashSet<u64> = HashSet::new();
@@ -329,7 +294,7 @@ pub(super) fn copied(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
     }
     let total = rows.len() as f64;
     let enough = copied.len() >= FEW_ROWS && copied.len() as f64 >= SOME_ROWS * total;
-    let chance = held as f64 > HELD_SHARE * total || is_coarse(rows);
+    let chance = held as f64 > SOME_ROWS * total || is_coarse(rows);
     if !enough || chance || postures.len() < FEW_ROWS {
         return None;
     }
@@ -373,8 +338,9 @@ pub(super) fn check_distinct(rows: &LogRows, name: &str) -> Result<(), Error> {
 
 /// Whether readings meet by chance, for they are rounded.
 fn is_coarse(rows: &LogRows) -> bool {
+    let all: Vec<usize> = (0..rows.len()).collect();
     (0..rows.channels()).all(|channel| {
-        let values = rows.channel(channel, 0..rows.len());
+        let values = rows.channel(channel, &all);
         let size = match rows.noise {
             Some(noise) if rows.cells == 0 => 20.0 * FINE * noise,
             _ => FINE * scatter(&values),

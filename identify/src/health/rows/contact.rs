@@ -17,14 +17,14 @@ use sesc_model::tape::{Tape, Values};
 use sesc_model::urdf::extents;
 
 use super::LogRows;
-use super::screen::LeftOut;
+use super::screen::{End, LeftOut};
 use crate::evaluate::FASTEST;
 use crate::feet::Feet;
 use crate::health::criteria::{
-    BETTER, BEYOND_SOLE, FEW_ROWS, FLAT, FLAT_PART, FLAT_SWING, FORCE_KNOWN, FORCE_UNLIKE, LOADED,
-    MANY_ROWS, MARGIN_M, NEARLY_ALL, OTHER_UNIT, SPREAD, UNKNOWN_NOISE_M,
+    BEYOND_SOLE, FEW_ROWS, FLAT, FORCE_UNLIKE, LOADED, MANY_ROWS, MARGIN_M, MORE, NEARLY_ALL,
+    TENFOLD, UNKNOWN_NOISE_M,
 };
-use crate::health::wirings::{Wirings, scatter};
+use crate::health::view::{On, column, scatter};
 use crate::health::{Finding, Kind};
 use crate::logs::{LEAST_LOAD_N, Sidecar};
 use crate::observations::postures::range;
@@ -32,6 +32,9 @@ use crate::robot::Robot;
 
 /// Least and greatest corner of a box, m.
 type Corners = [[f64; 2]; 2];
+
+/// What figures show of readings.
+const DISTANCE: &str = "Distance of the CoP from the origin, mm";
 
 /// The value below which a part of values lies.
 fn quantile(values: impl Iterator<Item = f64>, at: impl Fn(usize) -> usize) -> Option<f64> {
@@ -59,36 +62,24 @@ pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
         return None;
     }
     let stretches = lost.chunk_by(|a, b| *b == a + 1).count();
-    (left_out.least_load, left_out.zero) = (rules.least_load, rules.zero);
-    let (what, title) = match rows.cells {
-        0 => (
-            "the CoP is exactly zero",
-            "Distance of the CoP from the origin, mm",
-        ),
-        _ => (
-            "next to nothing stands on the cells",
-            "Load on all cells, N",
-        ),
+    let what = match rows.cells {
+        0 => "the CoP is exactly zero",
+        _ => "next to nothing stands on the cells",
     };
+    (left_out.least_load, left_out.zero) = (rules.least_load, rules.zero);
     let sentence = format!(
-        "In {} ({:.0} %, {stretches} {}) {what}: the foot lost contact or the sensor \
+        "In {} ({:.0} %, {stretches} stretch{}) {what}: the foot lost contact or the sensor \
          dropped out; they are left out. Check that the foot stands flat, and the sensor's cable.",
         rows.some(lost.len()),
         100.0 * lost.len() as f64 / rows.len() as f64,
-        if stretches == 1 {
-            "stretch"
-        } else {
-            "stretches"
-        },
+        if stretches == 1 { "" } else { "es" },
     );
-    let value = |k: usize| {
-        if rows.cells > 0 {
-            load(k)
-        } else {
-            1e3 * rows.distance(k)
-        }
-    };
-    Some(rows.finding((Kind::ContactLost, "-", sentence), title, value, gone))
+    let about = (Kind::ContactLost, "-", sentence);
+    Some(if rows.cells > 0 {
+        rows.finding(about, "Load on all cells, N", load, gone)
+    } else {
+        rows.finding(about, DISTANCE, |k| 1e3 * rows.distance(k), gone)
+    })
 }
 
 /// Cells that never show a load while the others do.
@@ -113,21 +104,20 @@ pub(super) fn unplugged(rows: &LogRows) -> Vec<Finding> {
 }
 
 /// Readings beyond the sole and every CoP that CAD predicts.
-pub(super) fn outside(rows: &LogRows, model: &Model, left_out: &mut LeftOut) -> Option<Finding> {
-    let everywhere = rows.cad.iter().chain(&rows.cad_of_degrees);
-    let mut all: Vec<[f64; 2]> = everywhere.chain(&rows.places).copied().collect();
-    let quantile = |part: f64| {
+pub(super) fn outside(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<Finding> {
+    let mut all = [&rows.cad[..], &rows.places].concat();
+    let at_part = |part: f64| {
         let at = |n: usize| (part * (n - 1) as f64).round() as usize;
         [0, 1].map(|k| quantile(rows.reading.iter().map(|y| y[k]), at).unwrap_or(0.0))
     };
-    let middle = quantile(0.5);
+    let middle = at_part(0.5);
+    let total = rows.len() as f64;
     let elsewhere = |meant: &dyn Fn(usize) -> bool, sentence: String| {
-        let title = "Distance of the CoP from the origin, mm";
         let about = (Kind::CopOutsideSole, "-", sentence);
-        Some(rows.finding(about, title, |k| 1e3 * rows.distance(k), meant))
+        Some(rows.finding(about, DISTANCE, |k| 1e3 * rows.distance(k), meant))
     };
-    if !within(&all, rows.sole)?.keeps(middle, &[]) {
-        if !in_another_unit(rows) && !is_wired_otherwise(rows, model, |_| true) {
+    if is_beyond(&within(&all, rows.sole)?, middle) {
+        if !in_another_unit(rows) && !is_wired_otherwise(rows, on, |_| true) {
             let sentence = format!(
                 "Most readings lie beyond the sole and every CoP that CAD predicts, about {:.2} m \
                  from the frame's origin: check that the support frame lies on the sole and that \
@@ -138,31 +128,32 @@ pub(super) fn outside(rows: &LogRows, model: &Model, left_out: &mut LeftOut) -> 
         }
     } else {
         // Wrong signs and loads spread readings wider than CAD: most of them are no fault.
-        all.extend([SPREAD.0, SPREAD.1].map(quantile));
-        let inside = within(&all, rows.sole)?;
-        let beyond = |k: usize| !inside.keeps(rows.reading[k], &[]);
-        let total = rows.len();
-        let count = (0..total).filter(|k| beyond(*k)).count();
-        if count > 0 && count as f64 <= MANY_ROWS * total as f64 {
-            if is_wired_otherwise(rows, model, beyond) {
+        all.extend([MANY_ROWS, 1.0 - MANY_ROWS].map(at_part));
+        let ends = within(&all, rows.sole)?;
+        let beyond = |k: usize| is_beyond(&ends, rows.reading[k]);
+        let count = (0..rows.len()).filter(|k| beyond(*k)).count();
+        if count > 0 && count as f64 <= MANY_ROWS * total {
+            if is_wired_otherwise(rows, on, beyond) {
                 return None;
             }
-            left_out.sole = inside.sole;
+            left_out.ends.extend(ends.iter().copied());
             let sentence = format!(
                 "The CoP of {count} of {} lies beyond the sole and every CoP that CAD predicts, \
                  up to {:.2} m from the frame's origin: these rows are left out; check the sensor's \
                  cable and the topic.",
                 rows.total(),
-                range((0..total).map(|k| rows.distance(k))).1
+                range((0..rows.len()).map(|k| rows.distance(k))).1
             );
             return elsewhere(&beyond, sentence);
         }
     }
     // Most readings beyond what the sole can carry, where CAD has the robot balanced on it.
-    let sole = wider(rows.sole?, |diameter| BEYOND_SOLE * diameter);
-    let beyond = |y: &[f64; 2]| !sole.keeps(*y, &[]);
-    let part =
-        |all: &[[f64; 2]]| all.iter().filter(|y| beyond(y)).count() as f64 / rows.len() as f64;
+    let sole = rows.sole?;
+    let ends = wider(sole, BEYOND_SOLE * diameter(sole));
+    let part = |all: &[[f64; 2]]| {
+        let beyond = all.iter().filter(|y| is_beyond(&ends, **y));
+        beyond.count() as f64 / total
+    };
     if part(&rows.reading) <= 0.5 || part(&rows.cad) > MANY_ROWS {
         return None;
     }
@@ -172,43 +163,51 @@ pub(super) fn outside(rows: &LogRows, model: &Model, left_out: &mut LeftOut) -> 
          moments in different units.",
         100.0 * part(&rows.reading)
     );
-    elsewhere(&|k| beyond(&rows.reading[k]), sentence)
+    elsewhere(&|k| is_beyond(&ends, rows.reading[k]), sentence)
 }
 
 /// Whether a wiring brings CAD's CoP near the readings of some of the rows.
-fn is_wired_otherwise(rows: &LogRows, model: &Model, which: impl Fn(usize) -> bool) -> bool {
+fn is_wired_otherwise(rows: &LogRows, on: On, which: impl Fn(usize) -> bool) -> bool {
     let chosen: Vec<usize> = (0..rows.len()).filter(|k| which(*k)).collect();
-    Wirings::new(model, &rows.postures(rows.as_read(&chosen))).nearer() < BETTER
+    let view = rows.view(on, &rows.as_read(&chosen)).few();
+    let far = view.chi2(&view.cad);
+    let mut wired = view.wired();
+    wired.any(|(_, com)| MORE * view.chi2(&[0, 1].map(|k| column(&com, 3, k))) < far)
 }
 
 fn diameter([low, high]: Corners) -> f64 {
     (high[0] - low[0]).hypot(high[1] - low[1])
 }
 
-/// Rules for readings in a box that is wider by a margin, which its diameter says.
-fn wider(corners: Corners, margin: impl Fn(f64) -> f64) -> LeftOut {
-    let margin = margin(diameter(corners));
-    let [low, high] = corners;
-    LeftOut {
-        sole: Some([low.map(|x| x - margin), high.map(|x| x + margin)]),
-        ..LeftOut::default()
-    }
+fn is_beyond(ends: &[End], reading: [f64; 2]) -> bool {
+    ends.iter().any(|end| end.is_reached(reading))
 }
 
-/// The box around places and the sole, wider by half the diameter of the sole where its shape is
-/// known, and by that of the places.
-fn within(places: &[[f64; 2]], sole: Option<Corners>) -> Option<LeftOut> {
+/// Where channels of the CoP end in a box that is wider by a margin.
+fn wider([low, high]: Corners, margin: f64) -> Vec<End> {
+    let end = |axis: usize, sign: f64, at: f64| End {
+        axis,
+        sign,
+        at: sign * at + margin,
+    };
+    let of = |axis: usize| [end(axis, 1.0, high[axis]), end(axis, -1.0, low[axis])];
+    [of(0), of(1)].concat()
+}
+
+/// The box around some places.
+fn around(places: &[[f64; 2]]) -> Corners {
     let [x, y] = [0, 1].map(|k| range(places.iter().map(|p| p[k])));
-    let (mut low, mut high) = ([x.0, y.0], [x.1, y.1]);
-    let size = diameter([low, high]);
-    let mut least = MARGIN_M;
-    if let Some([from, to]) = sole {
-        least = 0.5 * diameter([from, to]);
-        low = [0, 1].map(|k| low[k].min(from[k]));
-        high = [0, 1].map(|k| high[k].max(to[k]));
-    }
+    [[x.0, y.0], [x.1, y.1]]
+}
+
+/// The ends of the box around places and the sole, wider by half the diameter of the sole where
+/// its shape is known, and by that of the places.
+fn within(places: &[[f64; 2]], sole: Option<Corners>) -> Option<Vec<End>> {
+    let size = diameter(around(places));
+    let least = sole.map_or(MARGIN_M, |sole| 0.5 * diameter(sole));
+    let all = [places, sole.as_ref().map_or(&[], |sole| &sole[..])].concat();
     size.is_finite()
-        .then(|| wider([low, high], |_| least.max(size)))
+        .then(|| wider(around(&all), least.max(size)))
 }
 
 /// Whether readings scatter by more than CAD says, as they do in another unit.
@@ -217,7 +216,7 @@ fn in_another_unit(rows: &LogRows) -> bool {
         |all: &[[f64; 2]]| [0, 1].map(|k| scatter(&all.iter().map(|p| p[k]).collect::<Vec<f64>>()));
     let [x, y] = scatter(&rows.cad);
     let read = scatter(&rows.reading);
-    read.iter().any(|own| *own > OTHER_UNIT * x.max(y))
+    read.iter().any(|own| *own > TENFOLD * x.max(y))
 }
 
 /// Corners of the sole, m, by the collision shapes of all links fixed to the support, in its
@@ -225,7 +224,7 @@ fn in_another_unit(rows: &LogRows) -> bool {
 pub(super) fn corners(robot: &Robot, model: &Model) -> Option<Corners> {
     let description = &robot.description;
     let boxes = extents(description).ok()?;
-    let mut corners: Option<Corners> = None;
+    let mut corners: Vec<[f64; 2]> = Vec::new();
     for (name, extent) in description.link_names().zip(boxes) {
         let link = model.tree.links.iter().position(|link| link.name == name);
         let place = link.and_then(|link| model.chain.places[link]);
@@ -239,18 +238,13 @@ pub(super) fn corners(robot: &Robot, model: &Model) -> Option<Corners> {
                 0 => extent.low[axis],
                 _ => extent.high[axis],
             });
-            let at = [0, 1].map(|axis| {
+            corners.push([0, 1].map(|axis| {
                 let turned = rows[axis].iter().zip(local).map(|(a, b)| a * b);
                 origin[axis] + turned.sum::<f64>()
-            });
-            let [low, high] = corners.unwrap_or([at, at]);
-            corners = Some([
-                [0, 1].map(|axis| at[axis].min(low[axis])),
-                [0, 1].map(|axis| at[axis].max(high[axis])),
-            ]);
+            }));
         }
     }
-    corners
+    (!corners.is_empty()).then(|| around(&corners))
 }
 
 /// A typical total force that is not the weight by CAD.
@@ -277,7 +271,7 @@ pub(super) fn unlike_weight(rows: &LogRows, model: &Model, left_out: &LeftOut) -
     ];
     let off = |known: f64| (ratio / known).ln().abs();
     let cause = causes.iter().min_by(|a, b| off(a.0).total_cmp(&off(b.0)));
-    let cause = cause.filter(|(known, _)| off(*known) < FORCE_KNOWN.ln());
+    let cause = cause.filter(|(known, _)| 2.0 * off(*known) < FORCE_UNLIKE.ln());
     let why = match cause {
         Some((_, why)) => format!("as if {why}"),
         None => "as of another robot, a sensor with a wrong scale, or counts of a converter".into(),
@@ -318,13 +312,13 @@ pub(super) fn both_flat(rows: &LogRows, model: &Model) -> Option<Finding> {
     let limits = [FLAT.0, FLAT.1, FLAT.1];
     let flat = |k: &usize| (0..3).all(|row| at(*k, row).abs() < limits[row]);
     let flat: Vec<usize> = (0..n).filter(flat).collect();
-    if (flat.len() as f64) < FLAT_PART * n as f64 {
+    if (flat.len() as f64) < NEARLY_ALL * n as f64 {
         return None;
     }
     let between = |j: &usize| (0..3).any(|row| out[row * (1 + dof) + 1 + j].abs() > 1e-6);
     let swings = |j: usize| {
         let (low, high) = range(rows.q.iter().skip(j).step_by(dof).copied());
-        high - low > FLAT_SWING
+        high - low > FLAT.1
     };
     if !(0..dof).filter(between).any(swings) {
         return None;

@@ -29,28 +29,27 @@ pub(super) mod noise;
 mod screen;
 mod times;
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector};
 use sesc_model::tree::Dof;
 use sesc_model::{Function, Model};
 
 use super::criteria::{FEW_ROWS, SHOWS, UNKNOWN_NOISE_M};
 use super::finding::{Finding, Kind, Picture, Row};
-use super::wirings::{evenly, rms_of_gaps};
+use super::view::{On, View, left_by_plane};
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::logs::{Block, LogSource, Options, PostureReader};
+use crate::logs::{Block, LogSource, Options, PostureReader, ROOM, Rows, Samples};
 use crate::observations::correlation;
 use crate::observations::motion::{Plan, Wanted};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, rms};
-use crate::observations::rows::CopRows;
 use crate::observations::zmp::Zmp;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
-pub(super) use screen::{LeftOut, Parked};
+pub(super) use screen::{LeftOut, LessKnown};
 
 /// Rows that are looked at, at most.
 const ROWS: usize = 50_000;
@@ -90,8 +89,6 @@ pub(super) struct LogRows {
     std: Vec<[f64; 2]>,
     /// CoP by CAD, m.
     pub cad: Vec<[f64; 2]>,
-    /// The same if angles are in degrees.
-    pub cad_of_degrees: Vec<[f64; 2]>,
     /// Corners of the sole, m, where the URDF has its shape.
     pub sole: Option<[[f64; 2]; 2]>,
 }
@@ -123,11 +120,6 @@ impl LogRows {
         &self.q[row * self.dof..(row + 1) * self.dof]
     }
 
-    /// Joint positions of some of the rows, one after the other.
-    fn positions(&self, rows: impl Iterator<Item = usize>) -> Vec<f64> {
-        rows.flat_map(|row| self.q(row)).copied().collect()
-    }
-
     /// A row as figures show it.
     pub fn row(&self, row: usize) -> Row {
         Row {
@@ -145,24 +137,23 @@ impl LogRows {
         value: impl Fn(usize) -> f64,
         meant: impl Fn(usize) -> bool,
     ) -> Finding {
-        let picture = Picture::of(title, self.len(), |k| self.row(k), value, meant);
+        let values = |k: usize| vec![(value(k), meant(k))];
+        let picture = Picture::new(title, self.len(), |k| self.row(k), values);
         Finding::new(kind, target, sentence).showing(picture)
     }
 
     /// Some of the rows as postures, with the readings that are given.
-    pub fn postures(&self, read: impl Iterator<Item = (usize, [f64; 2])> + Clone) -> Postures {
-        let q = self.positions(read.clone().map(|(k, _)| k));
-        let pose: Vec<i64> = read.clone().map(|(k, _)| self.pose[k]).collect();
-        let cop: Vec<f64> = read.flat_map(|(_, y)| y).collect();
-        Postures::of_rows(self.dof, (&pose, &q, &cop), self.noise, 0.0)
+    fn view<'a>(&self, on: On<'a>, read: &[(usize, [f64; 2])]) -> View<'a> {
+        let q: Vec<f64> = read.iter().flat_map(|(k, _)| self.q(*k)).copied().collect();
+        let pose: Vec<i64> = read.iter().map(|(k, _)| self.pose[*k]).collect();
+        let cop: Vec<f64> = read.iter().flat_map(|(_, y)| *y).collect();
+        let data = Postures::of_rows(self.dof, (&pose, &q, &cop), self.noise, 0.0);
+        View::new(on, Cow::Owned(data))
     }
 
     /// Some of the rows with their readings as they are.
-    pub fn as_read<'a>(
-        &'a self,
-        rows: &'a [usize],
-    ) -> impl Iterator<Item = (usize, [f64; 2])> + Clone {
-        rows.iter().map(|&k| (k, self.reading[k]))
+    pub fn as_read(&self, rows: &[usize]) -> Vec<(usize, [f64; 2])> {
+        rows.iter().map(|&k| (k, self.reading[k])).collect()
     }
 
     /// Forces of the cells of a row, N; none where the log has a CoP.
@@ -186,41 +177,37 @@ impl LogRows {
     /// # Errors
     /// What is wrong with the log: also that its rows are copies of one or two.
     pub fn read(
-        log: &LogSource,
+        samples: &Samples,
         (robot, model): (&Robot, &Model),
-        options: &Options,
         noise: Option<f64>,
         watch: &mut dyn Watch,
     ) -> Result<LogRows, Error> {
-        let dofs = &model.tree.dofs;
-        let (mut rows, averaged) =
-            LogRows::gather(log, dofs, Some(model.support()), options, watch)?;
+        let (mut rows, averaged) = LogRows::gather(samples, Some(model.support()), watch)?;
         if let Some(noise) = noise {
             rows.noise = Some(noise * (1.0 - averaged).sqrt());
             rows.noise_source = Some(NoiseSource::Given);
             rows.std = Vec::new();
         }
-        channels::check_distinct(&rows, log.name())?;
+        channels::check_distinct(&rows, samples.log.name())?;
         rows.sole = contact::corners(robot, model);
-        rows.predict(model);
+        let cop = Evaluator::new(model, Function::Cop).fastest();
+        rows.cad = cop.run(&rows.q, rows.len()).as_chunks().0.to_vec();
         Ok(rows)
     }
 
     /// Rows of a log that stand on `support`, or on any, and how much of the variance of a
     /// single reading they have averaged.
     fn gather(
-        log: &LogSource,
-        dofs: &[Dof],
+        samples: &Samples,
         support: Option<&str>,
-        options: &Options,
         watch: &mut dyn Watch,
     ) -> Result<(LogRows, f64), Error> {
-        let log = log.clone().screened(Arc::new(LeftOut::default()));
-        let mut reader = PostureReader::open(&log, dofs, options)?;
+        let mut reader = samples.all_rows()?;
+        let sidecar = &samples.sidecar;
         let mut rows = LogRows {
-            dof: dofs.len(),
-            places: reader.sidecar.cells.clone().unwrap_or_default(),
-            both_feet: options.both_feet.or(reader.sidecar.both_feet),
+            dof: samples.dof(),
+            places: sidecar.cells.clone().unwrap_or_default(),
+            both_feet: samples.options.both_feet.or(sidecar.both_feet),
             ..LogRows::default()
         };
         let mut sample = Sample::default();
@@ -268,64 +255,33 @@ impl LogRows {
         }
     }
 
-    /// What free masses, and what CAD's CoM does to the CoP where it is accelerated, leave of
-    /// one channel, m, in some of the rows; none where these are too few to tell.
-    fn left_by_masses(&self, model: &Model, rows: &[usize], channel: usize) -> Option<f64> {
-        let rows = evenly(rows.iter().copied(), 1000);
-        let q = self.positions(rows.iter().copied());
-        let all = CopRows::new(model).fastest().of(&q, rows.len(), None);
-        let swings = self.t.len() == self.len();
+    /// What CAD at any scale, and what its acceleration does to the CoP, leave of one channel, m,
+    /// in some of the rows.
+    fn left_by_cad(&self, rows: &[usize], channel: usize) -> f64 {
         // CAD's CoP bends as its acceleration does, over 0.15 s either way.
-        let reach = match correlation::step(&self.t).filter(|_| swings) {
-            Some(step) => (0.15 / step).round().max(1.0) as usize,
-            None => self.len(),
-        };
-        let bend = |row: usize| {
+        let step = correlation::step(&self.t).filter(|_| self.t.len() == self.len());
+        let reach = step.map_or(self.len(), |step| (0.15 / step).round().max(1.0) as usize);
+        let columns = rows.iter().map(|&row| {
             let at = |row: usize| self.cad[row][channel];
             let inside = row >= reach && row + reach < self.len();
-            inside.then(|| at(row - reach) - 2.0 * at(row) + at(row + reach))
-        };
-        let columns = all.ncols();
-        let entry = |k: usize, column: usize| {
-            if column < columns {
-                all[(2 * k + channel, column)]
-            } else {
-                bend(rows[k]).unwrap_or(0.0)
-            }
-        };
-        let x = DMatrix::from_fn(rows.len(), columns + 1, entry);
-        let y = DVector::from_fn(rows.len(), |k, _| self.reading[rows[k]][channel]);
-        let (square, df) = correlation::left(&x, &y);
-        (df >= FEW_ROWS as f64).then(|| square.sqrt())
-    }
-
-    fn predict(&mut self, model: &Model) {
-        let cop = Evaluator::new(model, Function::Cop).fastest();
-        let pairs = |q: &[f64]| cop.run(q, self.len()).as_chunks().0.to_vec();
-        let degrees = self.q.iter().enumerate().map(|(k, q)| {
-            if model.tree.dofs[k % self.dof].prismatic {
-                *q
-            } else {
-                q.to_radians()
-            }
+            let bend = inside.then(|| at(row - reach) - 2.0 * at(row) + at(row + reach));
+            (self.reading[row][channel], (at(row), bend.unwrap_or(0.0)))
         });
-        let degrees: Vec<f64> = degrees.collect();
-        (self.cad, self.cad_of_degrees) = (pairs(&self.q), pairs(&degrees));
+        let (read, (cad, bend)): (Vec<f64>, (Vec<f64>, Vec<f64>)) = columns.unzip();
+        left_by_plane(&read, [&cad, &bend])
     }
 
     /// The `chosen` rows as postures: as they were read, and without what motion adds to their
     /// readings where they are far from CAD.
-    pub fn views(&self, chosen: &[usize], model: &Model) -> (Postures, Option<Postures>) {
-        let gap = |(k, y): (usize, [f64; 2])| [0, 1].map(|axis| y[axis] - self.cad[k][axis]);
-        let as_read = rms_of_gaps(self.as_read(chosen).map(gap));
+    pub fn views<'a>(&self, chosen: &[usize], on: On<'a>) -> Vec<View<'a>> {
+        let mut views = vec![self.view(on, &self.as_read(chosen))];
+        let gap = |&k: &usize| [0, 1].map(|axis| self.reading[k][axis] - self.cad[k][axis]);
         let least = self.noise.map_or(UNKNOWN_NOISE_M, |noise| SHOWS * noise);
-        let still = if as_read < least {
-            None
-        } else {
-            self.still(chosen, model)
-        };
-        let still = still.map(|still| self.postures(still.into_iter()));
-        (self.postures(self.as_read(chosen)), still)
+        if rms(chosen.iter().flat_map(gap)) >= least {
+            let still = self.still(chosen, on.model);
+            views.extend(still.map(|still| self.view(on, &still)));
+        }
+        views
     }
 
     /// Those of the `chosen` rows whose motion is known, and their readings as of a robot that
@@ -355,7 +311,12 @@ impl LogRows {
         let without = |((k, y), shift): ((usize, [f64; 2]), [f64; 2])| {
             (k, [0, 1].map(|axis| y[axis] - shift[axis]))
         };
-        let still: Vec<_> = self.as_read(&known).zip(shifts).map(without).collect();
+        let still: Vec<_> = self
+            .as_read(&known)
+            .into_iter()
+            .zip(shifts)
+            .map(without)
+            .collect();
         (!still.is_empty()).then_some(still)
     }
 }
@@ -368,8 +329,8 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
         ..Options::default()
     };
     let reader = PostureReader::open(log, &[], &options)?;
-    let joints = reader.unknown_columns().iter();
-    let joints = joints.filter(|name| !name.is_empty()).map(|joint| Dof {
+    let names = reader.unknown_columns().iter();
+    let joints = names.filter(|name| !name.is_empty()).map(|joint| Dof {
         joint: joint.clone(),
         prismatic: false,
         continuous: false,
@@ -377,39 +338,38 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
         upper: PI,
         speed: 1.0,
     });
-    let joints: Vec<Dof> = joints.collect();
-    let (rows, _) = LogRows::gather(log, &joints, None, &options, watch)?;
+    let samples = Samples::of_joints(log, joints.collect(), &options, ROOM, watch)?;
+    let (rows, _) = LogRows::gather(&samples, None, watch)?;
     if rows.len() < FEW_ROWS || rows.reading.is_empty() {
         return Ok(Vec::new());
     }
     let mut left_out = LeftOut::default();
-    let mut findings = Vec::new();
-    if rows.cells > 0 {
-        findings.extend(contact::lost(&rows, &mut left_out));
-    }
+    let lost = (rows.cells > 0).then(|| contact::lost(&rows, &mut left_out));
+    let mut findings: Vec<Finding> = lost.flatten().into_iter().collect();
     findings.extend(contact::unplugged(&rows));
-    findings.extend(channels::saturated(&rows, None, &mut left_out));
+    findings.extend(channels::saturated(&rows, &mut left_out));
     findings.extend(channels::copied(&rows, &mut left_out));
     findings.extend(times::stamps_of_other_rows(&rows));
     Ok(findings)
 }
 
 /// What is wrong with rows, and what to leave out.
-pub(super) fn judge(rows: &LogRows, model: &Model) -> (LeftOut, Vec<Finding>) {
+pub(super) fn judge(rows: &LogRows, on: On) -> (LeftOut, Vec<Finding>) {
     let mut left_out = LeftOut::default();
     let mut findings = Vec::new();
     if rows.len() < FEW_ROWS {
         return (left_out, findings);
     }
+    let model = on.model;
     findings.extend(times::stamps_of_other_rows(rows));
     findings.extend(times::leaps(rows, &model.tree.dofs));
     findings.extend(contact::lost(rows, &mut left_out));
     findings.extend(contact::unplugged(rows));
     findings.extend(contact::unlike_weight(rows, model, &left_out));
     findings.extend(contact::both_flat(rows, model));
-    findings.extend(contact::outside(rows, model, &mut left_out));
+    findings.extend(contact::outside(rows, on, &mut left_out));
     findings.extend(channels::frozen(rows, &mut left_out));
-    findings.extend(channels::saturated(rows, Some(model), &mut left_out));
+    findings.extend(channels::saturated(rows, &mut left_out));
     findings.extend(channels::copied(rows, &mut left_out));
     findings.extend(noise::beside_cad(rows, model, &left_out));
     (left_out, findings)
@@ -433,7 +393,7 @@ impl Sample {
     ///
     /// # Errors
     /// What is wrong with the log.
-    fn next(&mut self, reader: &mut PostureReader) -> Result<Option<Block>, Error> {
+    fn next(&mut self, reader: &mut Rows) -> Result<Option<Block>, Error> {
         let block = match self.to_come {
             _ if self.taken >= ROWS => return Ok(None),
             // Rows of the end may still wait for the end of their stay.
@@ -470,7 +430,7 @@ impl Sample {
 
     /// About so many rows are behind the last one, if they are as long as those before; none
     /// where that is not known.
-    fn rows_left(&self, reader: &PostureReader) -> Option<u64> {
+    fn rows_left(&self, reader: &Rows) -> Option<u64> {
         let (done, total) = reader.progress();
         // More than were given out where rows wait for the end of their stay.
         let rows = (reader.taken() + self.passed).max(1);

@@ -17,7 +17,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 use super::{LeftOut, LogRows};
 use crate::health::criteria::{OVERSTATED, OVERSTATED_BY_CHANCE, SAMPLES_PER_UNKNOWN};
-use crate::health::wirings::evenly;
+use crate::health::view::evenly;
 use crate::health::{Finding, Kind, Picture};
 use crate::observations::correlation::Correlation;
 use crate::observations::noise::NoiseSource;
@@ -26,8 +26,7 @@ use crate::observations::noise::NoiseSource;
 pub(super) fn beside_cad(rows: &LogRows, model: &Model, left_out: &LeftOut) -> Option<Finding> {
     rows.noise?;
     let kept = evenly(rows.kept(left_out).into_iter(), 10_000);
-    let as_read = rows.as_read(&kept).collect();
-    told(rows, as_read).or_else(|| told(rows, rows.still(&kept, model)?))
+    told(rows, rows.as_read(&kept)).or_else(|| told(rows, rows.still(&kept, model)?))
 }
 
 /// A finding by what CAD leaves of some rows with these readings, m.
@@ -44,25 +43,23 @@ fn told(rows: &LogRows, mut all: Vec<(usize, [f64; 2])>) -> Option<Finding> {
     });
     let square = axes.iter().map(|e| e.norm_squared()).sum::<f64>() / (2 * count) as f64;
     let finding = overstated(noise, rows.noise_source?, noise * square.sqrt())?;
-    let samples: f64 = axes.iter().map(|e| samples(rows, &all, e)).sum();
+    // Without times of all rows nothing tells which follow each other.
+    let timed = rows.t.len() == rows.len();
+    let t = timed.then(|| all.iter().map(|(k, _)| rows.t[*k]).collect::<Vec<f64>>());
+    let nothing_fitted = DMatrix::zeros(count, 0);
+    let samples = axes.iter().map(|gaps| {
+        let known = t
+            .as_ref()
+            .map(|t| Correlation::of(t, gaps, &nothing_fitted));
+        count as f64 / known.unwrap_or(Correlation::NONE).rows_per_sample
+    });
+    let samples: f64 = samples.sum();
     is_no_chance(square * samples, samples).then(|| {
         let title = "What CAD leaves of the CoP, mm";
         let row = |k: usize| rows.row(all[k].0);
-        let left = |k: usize| all[k].1.map(|gap| (1e3 * gap, true));
-        finding.showing(Picture::chosen(title, count, row, left))
+        let left = |k: usize| all[k].1.map(|gap| (1e3 * gap, true)).to_vec();
+        finding.showing(Picture::new(title, count, row, left))
     })
-}
-
-/// How many independent samples the gaps of one axis in some rows are worth by themselves.
-fn samples(rows: &LogRows, all: &[(usize, [f64; 2])], gaps: &DVector<f64>) -> f64 {
-    let n = gaps.len() as f64;
-    // Without times of all rows nothing tells which follow each other.
-    if rows.t.len() != rows.len() {
-        return n / Correlation::NONE.rows_per_sample;
-    }
-    let t: Vec<f64> = all.iter().map(|(k, _)| rows.t[*k]).collect();
-    let nothing_fitted = DMatrix::zeros(gaps.len(), 0);
-    n / Correlation::of(&t, gaps, &nothing_fitted).rows_per_sample
 }
 
 /// What a fit leaves.

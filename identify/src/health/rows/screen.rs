@@ -2,11 +2,14 @@
 //! rows apart.
 
 use std::collections::HashSet;
+use std::fmt;
+use std::sync::Arc;
 
 use sesc_model::hash::{START, fnv1a};
 
+use crate::evaluate::Evaluator;
 use crate::health::criteria::STILL;
-use crate::logs::{Screen, Screening};
+use crate::logs::{Block, Screen, Screening};
 
 /// What tells a row: its joints and what was read, to the last bit.
 pub(super) fn key(q: &[f64], reading: &[f64]) -> u64 {
@@ -21,24 +24,22 @@ pub(super) fn reading_of<'a>(cop: &'a [f64; 2], force: &'a [f64]) -> &'a [f64] {
     if force.is_empty() { cop } else { force }
 }
 
-/// An end of a channel of the CoP.
+/// Where a channel of the CoP ends, on one side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::health) struct End {
     /// 0 or 1.
-    pub channel: usize,
-    /// Whether values end above, or below.
-    pub upper: bool,
-    /// m
+    pub axis: usize,
+    /// 1 of an upper end, −1 of a lower one.
+    pub sign: f64,
+    /// The end times its sign, m; it is beyond itself.
     pub at: f64,
 }
 
-/// An encoder that stops for a while.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::health) struct Parked {
-    /// Number of the joint.
-    pub joint: usize,
-    /// Where it says that the joint is then, rad or m.
-    pub at: f64,
+impl End {
+    /// Whether a reading lies there, or further out.
+    pub fn is_reached(&self, reading: [f64; 2]) -> bool {
+        self.sign * reading[self.axis] >= self.at
+    }
 }
 
 /// Rules for single rows. Those of the default leave out nothing, also no rows without contact.
@@ -48,45 +49,77 @@ pub(in crate::health) struct LeftOut {
     pub least_load: Option<f64>,
     /// A CoP of exactly zero is no contact.
     pub zero: bool,
-    /// A CoP beyond these corners is no CoP, m.
-    pub sole: Option<[[f64; 2]; 2]>,
-    /// Channels of the CoP that are at or beyond their end.
+    /// Where channels are clipped, and the CoP is none.
     pub ends: Vec<End>,
     /// Values at which a channel of the CoP (0, 1), or all cells (0), froze.
     pub frozen: HashSet<(usize, u64)>,
-    /// Encoders that stop, and where.
-    pub parked: Vec<Parked>,
+    /// Joints whose encoders stop, and where, rad or m.
+    pub parked: Vec<(usize, f64)>,
     /// Rows that came before, once more.
     pub copies: bool,
     /// Added in quadrature to stated deviations, m: steps of the readings.
     pub steps: [f64; 2],
+    /// An encoder that does not follow its joint: rows count for less along its motion.
+    pub less_known: Option<LessKnown>,
+}
+
+/// What rows are less known by along the motion of a joint.
+#[derive(Clone)]
+pub(in crate::health) struct LessKnown {
+    /// CoM Jacobian of the robot.
+    pub slopes: Arc<Evaluator>,
+    pub joint: usize,
+    /// How far the joint may be from where its encoder says, rad or m.
+    pub anywhere: f64,
+    /// Noise of rows that state none, m.
+    pub noise: Option<f64>,
+}
+
+impl fmt::Debug for LessKnown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "LessKnown({})", self.joint)
+    }
+}
+
+impl PartialEq for LessKnown {
+    fn eq(&self, other: &LessKnown) -> bool {
+        self.joint == other.joint
+    }
+}
+
+impl LessKnown {
+    fn apply(&self, block: &mut Block) {
+        let n = block.len();
+        if let (None, Some(noise)) = (&block.std, self.noise) {
+            block.std = Some(vec![[noise; 2]; n]);
+        }
+        let slopes = self.slopes.run(&block.q, n);
+        let dof = block.q.len() / n.max(1);
+        for (k, std) in block.std.iter_mut().flatten().enumerate() {
+            let slope = |axis: usize| slopes[(3 * k + axis) * dof + self.joint];
+            *std = [0, 1].map(|axis| std[axis].hypot(self.anywhere * slope(axis)));
+        }
+    }
 }
 
 impl LeftOut {
     /// Whether encoders at positions `q` follow their joints.
     pub fn follows(&self, q: &[f64]) -> bool {
-        let parked = |parked: &Parked| (q[parked.joint] - parked.at).abs() <= STILL;
-        !self.parked.iter().any(parked)
+        let mut parked = self.parked.iter();
+        !parked.any(|(joint, at)| (q[*joint] - at).abs() <= STILL)
     }
 
     /// Whether a row of this reading, and these loads, stays.
     pub fn keeps(&self, reading: [f64; 2], force: &[f64]) -> bool {
         let load = || force.iter().sum::<f64>();
-        let is_in =
-            |[low, high]: [[f64; 2]; 2]| (0..2).all(|k| (low[k]..=high[k]).contains(&reading[k]));
-        let beyond = |end: &End| match end.upper {
-            true => reading[end.channel] >= end.at,
-            false => reading[end.channel] <= end.at,
-        };
         let is_stale = || match force {
             [] => (0..2).any(|k| self.frozen.contains(&(k, reading[k].to_bits()))),
             force => self.frozen.contains(&(0, key(&[], force))),
         };
         self.least_load.is_none_or(|least| load() >= least)
             && !(self.zero && reading == [0.0; 2])
-            && self.sole.is_none_or(is_in)
             && (self.frozen.is_empty() || !is_stale())
-            && !self.ends.iter().any(beyond)
+            && !self.ends.iter().any(|end| end.is_reached(reading))
     }
 }
 
@@ -113,6 +146,9 @@ impl Screen for LeftOut {
             block.retain(&keep);
             for std in block.std.iter_mut().flatten() {
                 *std = [0, 1].map(|k| std[k].hypot(rules.steps[k]));
+            }
+            if let Some(less_known) = &rules.less_known {
+                less_known.apply(block);
             }
         })
     }

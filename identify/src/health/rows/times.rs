@@ -12,9 +12,7 @@
 use sesc_model::tree::Dof;
 
 use super::LogRows;
-use crate::health::criteria::{
-    ENOUGH, JUMPS, JUMPS_LESS, MANY_ROWS, NEARLY_ALL, SHORT_S, TIMES_MEDIAN,
-};
+use crate::health::criteria::{ENOUGH, JUMPS, MANY_ROWS, NEARLY_ALL, SHORT_S, TENFOLD};
 use crate::health::{Finding, Kind};
 use crate::logs::criteria::{FASTER, LEAP};
 
@@ -23,13 +21,35 @@ pub(super) fn leaps(rows: &LogRows, dofs: &[Dof]) -> Option<Finding> {
     if rows.t.len() != rows.len() {
         return None;
     }
-    let leaps = |joint: usize| {
-        let fastest = fastest(rows, joint, &dofs[joint]);
-        let leaps = move |k: &usize| {
-            let (step, time) = step(rows, joint, *k);
+    // How far a joint moves from the row before, and in what time, s.
+    let steps = |joint: usize| {
+        let step = move |k: usize| match k.checked_sub(1) {
+            Some(before) if rows.number[k] == rows.number[before] + 1 => (
+                (rows.q(k)[joint] - rows.q(before)[joint]).abs(),
+                rows.t[k] - rows.t[before],
+            ),
+            _ => (0.0, 0.0),
+        };
+        (0..rows.len()).map(step)
+    };
+    let leaps = |joint: usize| -> Vec<usize> {
+        let fastest = match limit(&dofs[joint]) {
+            Some(limit) => FASTER * limit,
+            None => {
+                let moves = steps(joint).filter(|(step, time)| *step > 0.0 && *time > 0.0);
+                let mut speeds: Vec<f64> = moves.map(|(step, time)| step / time).collect();
+                speeds.sort_by(f64::total_cmp);
+                let median = speeds.get(speeds.len() / 2);
+                median.map_or(f64::INFINITY, |median| TENFOLD * median)
+            }
+        };
+        let leaps = |(step, time): (f64, f64)| {
             time > 0.0 && time < SHORT_S && step > LEAP && step > fastest * time
         };
-        (1..rows.len()).filter(leaps).collect::<Vec<usize>>()
+        let all = steps(joint).enumerate();
+        all.filter(|(_, step)| leaps(*step))
+            .map(|(k, _)| k)
+            .collect()
     };
     let all = (0..rows.dof).map(|joint| (joint, leaps(joint)));
     let (joint, found) = all.max_by_key(|(joint, found)| (found.len(), rows.dof - joint))?;
@@ -40,7 +60,8 @@ pub(super) fn leaps(rows: &LogRows, dofs: &[Dof]) -> Option<Finding> {
         Some(limit) => format!("its limit is {limit} {unit}/s"),
         None => "it moves ten times slower otherwise".to_string(),
     };
-    let (distance, time) = step(rows, joint, first);
+    let steps: Vec<(f64, f64)> = steps(joint).collect();
+    let (distance, time) = steps[first];
     let sentence = format!(
         "Joint `{name}` moves by {distance:.2} {unit} in {:.0} ms in row {} ({} such rows; {than}): two \
          senders on one topic, a glitch of the bus, angles that wrap, or stamps of other rows; \
@@ -49,43 +70,15 @@ pub(super) fn leaps(rows: &LogRows, dofs: &[Dof]) -> Option<Finding> {
         rows.number[first],
         found.len()
     );
-    let speed = |k: usize| {
-        let step = k.checked_sub(1).map(|_| step(rows, joint, k));
-        step.map_or(0.0, |(step, time)| step / time.max(1e-9))
-    };
+    let speed = |k: usize| steps[k].0 / steps[k].1.max(1e-9);
     let about = (Kind::JointLeaps, name.as_str(), sentence);
     let is_leap = |k: usize| found.binary_search(&k).is_ok();
     Some(rows.finding(about, &format!("Speed of {name}, {unit}/s"), speed, is_leap))
 }
 
-/// How far a joint moves from the row before, and in what time, s.
-fn step(rows: &LogRows, joint: usize, row: usize) -> (f64, f64) {
-    let q = |row: usize| rows.q(row)[joint];
-    let follows = rows.number[row] == rows.number[row - 1] + 1;
-    let time = if follows {
-        rows.t[row] - rows.t[row - 1]
-    } else {
-        0.0
-    };
-    ((q(row) - q(row - 1)).abs(), time)
-}
-
 /// The velocity limit that the URDF gives a joint, rad/s or m/s.
 fn limit(dof: &Dof) -> Option<f64> {
     Some(dof.speed).filter(|speed| speed.is_finite() && *speed > 0.0)
-}
-
-/// What a joint cannot exceed, rad/s or m/s.
-fn fastest(rows: &LogRows, joint: usize, dof: &Dof) -> f64 {
-    if let Some(limit) = limit(dof) {
-        return FASTER * limit;
-    }
-    let moves = (1..rows.len()).map(|k| step(rows, joint, k));
-    let moves = moves.filter(|(step, time)| *step > 0.0 && *time > 0.0);
-    let mut speeds: Vec<f64> = moves.map(|(step, time)| step / time).collect();
-    speeds.sort_by(f64::total_cmp);
-    let median = speeds.get(speeds.len() / 2);
-    median.map_or(f64::INFINITY, |median| TIMES_MEDIAN * median)
 }
 
 pub(super) fn stamps_of_other_rows(rows: &LogRows) -> Option<Finding> {
@@ -106,7 +99,7 @@ pub(super) fn stamps_of_other_rows(rows: &LogRows) -> Option<Finding> {
         let mut by_stamp = in_order.clone();
         by_stamp.sort_by(|a, b| t[*a].total_cmp(&t[*b]));
         let [stamped, as_read] = [&by_stamp, &in_order].map(|order| jumps(rows, order));
-        if stamped < JUMPS || as_read > JUMPS_LESS * stamped {
+        if stamped < JUMPS || as_read > JUMPS * stamped {
             return None;
         }
         format!(

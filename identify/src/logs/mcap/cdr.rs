@@ -8,8 +8,6 @@
 
 use sesc_model::urdf::limits;
 
-use crate::logs::block::keep_some;
-
 const NAME: usize = limits::NAME_BYTES + 1;
 
 /// `std_msgs/msg/Header`
@@ -23,11 +21,8 @@ pub(super) struct Header {
 /// `sensor_msgs/msg/JointState`, of joints that have a position in it; effort is not looked at.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct JointState {
-    pub name: Vec<String>,
-    /// rad or m
-    pub position: Vec<f64>,
-    /// rad/s or m/s; empty where it is not measured
-    pub velocity: Vec<f64>,
+    /// Name, position (rad or m), and velocity (rad/s or m/s), zero where it is not measured.
+    pub joints: Vec<(String, f64, f64)>,
     /// Whether a joint has a name and no position.
     pub misses_positions: bool,
 }
@@ -36,27 +31,25 @@ impl JointState {
     pub fn decode(bytes: &[u8]) -> Result<(Header, JointState), String> {
         let mut cdr = Cdr::new(bytes)?;
         let header = cdr.header()?;
-        let mut state = JointState {
-            name: cdr.strings()?,
-            position: cdr.doubles()?,
-            velocity: cdr.doubles()?,
-            misses_positions: false,
-        };
-        let [names, positions] = [state.name.len(), state.position.len()];
+        let (names, positions, velocities) = (cdr.strings()?, cdr.doubles()?, cdr.doubles()?);
+        let count = names.len();
         // The standard allows a message of velocities alone.
-        state
-            .position
-            .resize(if positions == 0 { names } else { positions }, f64::NAN);
-        if state.position.len() != names {
-            return Err(format!("{positions} positions for {names} joints"));
+        if !positions.is_empty() && positions.len() != count {
+            return Err(format!("{} positions for {count} joints", positions.len()));
         }
-        let known: Vec<bool> = state.position.iter().map(|q| q.is_finite()).collect();
-        if known.contains(&false) {
-            state.misses_positions = true;
-            keep_some(&mut state.name, 1, &known);
-            keep_some(&mut state.position, 1, &known);
-            keep_some(&mut state.velocity, 1, &known);
-        }
+        // Drivers that do not measure a velocity send nothing or NaN.
+        let velocities = velocities
+            .into_iter()
+            .map(|v| if v.is_finite() { v } else { 0.0 });
+        let all = names.into_iter().zip(positions);
+        let all = all.zip(velocities.chain(std::iter::repeat(0.0)));
+        let known = all.filter(|((_, q), _)| q.is_finite());
+        let joints: Vec<_> = known.map(|((name, q), v)| (name, q, v)).collect();
+        let misses_positions = joints.len() < count;
+        let state = JointState {
+            joints,
+            misses_positions,
+        };
         Ok((header, state))
     }
 }
@@ -233,11 +226,9 @@ mod tests {
             let (header, message) = JointState::decode(&bytes).unwrap();
             assert_eq!(header.stamp, Some(7.5));
             assert_eq!(header.frame, "f");
-            assert_eq!(message.name, ["ankle", "hip"]);
-            assert_eq!(
-                (message.position, message.velocity),
-                (vec![value, -value], vec![])
-            );
+            let joint = |name: &str, q| (name.to_string(), q, 0.0);
+            let expected = [joint("ankle", value), joint("hip", -value)];
+            assert_eq!(message.joints, expected);
             // Effort may be missing, nothing else.
             for cut in 0..bytes.len() - 4 {
                 assert!(JointState::decode(&bytes[..cut]).is_err(), "{cut}");

@@ -10,17 +10,16 @@
 //! ```
 
 use std::collections::{HashMap, VecDeque};
-use std::io::Read;
 use std::sync::Arc;
 
-use super::joints::{LONGEST_S, MOST};
-use super::records::Records;
-use super::{LEAST_LOAD_N, POINT, STATE, cdr, centre};
+use super::joints::{LONGEST_S, Track, Waiting};
+use super::{LEAST_LOAD_N, centre};
 use crate::logs::block::{Frame, Share, Soles};
 use crate::logs::names::short;
 use crate::logs::settings::Options;
 
 /// Two contacts, that of the support first.
+#[derive(Clone)]
 pub(super) struct Pair {
     pub topics: [String; 2],
     pub links: [String; 2],
@@ -34,73 +33,82 @@ struct Seen {
     loaded: u64,
 }
 
-impl Pair {
+/// The wrenches of a recording, until it is known whether two of them are a pair.
+pub(super) struct Wrenches {
+    seen: Vec<Seen>,
+    /// Messages that say whether both are loaded, at most; none where it is known already.
+    left: u64,
+}
+
+impl Wrenches {
+    /// Nothing is seen yet, or wanted at all.
+    pub fn new(are_wanted: bool) -> Wrenches {
+        Wrenches {
+            seen: Vec::new(),
+            left: if are_wanted { 4000 } else { 0 },
+        }
+    }
+
+    /// Whether more messages are wanted.
+    pub fn undecided(&self) -> bool {
+        self.left > 0
+    }
+
+    /// A point: which topic is the CoP, the sidecar says.
+    pub fn point(&mut self) {
+        (self.seen, self.left) = (Vec::new(), 0);
+    }
+
+    /// A wrench on a topic, in a frame.
+    pub fn see(&mut self, topic: &str, frame: &str, force: [f64; 3]) {
+        let at = self.seen.iter().position(|own| own.topic == *topic);
+        let at = at.unwrap_or_else(|| {
+            self.seen.push(Seen {
+                topic: topic.to_string(),
+                link: String::new(),
+                messages: 0,
+                loaded: 0,
+            });
+            self.seen.len() - 1
+        });
+        let own = &mut self.seen[at];
+        own.link = frame.trim_start_matches('/').to_string();
+        own.messages += 1;
+        own.loaded += u64::from(force[2].abs() >= LEAST_LOAD_N);
+        self.left = if at > 1 { 0 } else { self.left - 1 };
+    }
+
     /// The contacts of a recording in which two wrenches, in frames of two of the robot's links,
     /// are both loaded in half of their messages or more; none of any other recording, and where
-    /// `options` do not ask for it or do not say how the two stand to each other. The support is
-    /// one of them, where it is said.
-    pub fn asked<R: Read>(
-        mut records: Records<R>,
-        dofs: usize,
-        options: &Options,
-    ) -> Result<Option<Pair>, String> {
-        let soles = options.soles.as_ref();
-        let Some(soles) = soles.filter(|_| options.both_feet != Some(false)) else {
-            return Ok(None);
-        };
-        let mut seen: Vec<Seen> = Vec::new();
-        // Messages that say whether both are loaded, at most.
-        let mut left = 4000;
-        while let Some(message) = records.next()? {
-            let topic = &message.channel.topic;
-            match message.channel.schema.as_str() {
-                STATE => continue,
-                // Which of them is the CoP, its sidecar says.
-                POINT => return Ok(None),
-                _ => {}
-            }
-            let (_, frame, [force, _]) = message.decoded(cdr::wrench)?;
-            let at = seen.iter().position(|own| own.topic == *topic);
-            let at = at.unwrap_or_else(|| {
-                seen.push(Seen {
-                    topic: topic.clone(),
-                    link: String::new(),
-                    messages: 0,
-                    loaded: 0,
-                });
-                seen.len() - 1
-            });
-            let own = &mut seen[at];
-            own.link = frame.trim_start_matches('/').to_string();
-            own.messages += 1;
-            own.loaded += u64::from(force[2].abs() >= LEAST_LOAD_N);
-            left -= 1;
-            if seen.len() > 2 || left == 0 {
-                break;
-            }
-        }
+    /// `options` do not say how the two stand to each other. The support is one of them, where it
+    /// is said.
+    pub fn pair(mut self, dofs: usize, options: &Options) -> Option<Pair> {
         // That of the support is first, else the one that came first.
         let support = options.support.as_ref();
+        let seen = &mut self.seen;
         seen.sort_by_key(|own| support.is_some_and(|support| own.link != *support));
         let [one, other] = &seen[..] else {
-            return Ok(None);
+            return None;
         };
         let stands =
             |own: &Seen| 2 * own.loaded >= own.messages && options.links.contains(&own.link);
         let rest = vec![0.0; dofs];
+        let soles = options.soles.as_ref()?;
         let is_pair = stands(one)
             && stands(other)
             && one.link != other.link
-            && support.is_none_or(|support| one.link == *support)
-            && soles
-                .seen(&rest, &one.link, &other.link, [0.0; 2])
-                .is_some();
-        Ok(is_pair.then(|| Pair {
+            && support.is_none_or(|support| one.link == *support);
+        soles
+            .seen(&rest, &one.link, &other.link, [0.0; 2])
+            .filter(|_| is_pair)?;
+        Some(Pair {
             topics: [one.topic.clone(), other.topic.clone()],
             links: [one.link.clone(), other.link.clone()],
-        }))
+        })
     }
+}
 
+impl Pair {
     /// What is said of it.
     pub fn sentence(&self) -> String {
         let [one, other] = [0, 1].map(|k| short(&self.topics[k]));
@@ -111,79 +119,55 @@ impl Pair {
     }
 }
 
-/// A message of the other contact.
-#[derive(Clone, Copy)]
-struct Other {
-    t: f64,
-    force: f64,
-    /// Its CoP times its force, N m.
-    moment: [f64; 2],
-}
-
 /// Readings of the support that wait for the other contact.
 pub(super) struct Contacts<R> {
-    waiting: VecDeque<(f64, f64, R)>,
-    others: VecDeque<Other>,
+    /// Under which force, N.
+    waiting: Waiting<(f64, R)>,
+    /// Force of the other contact, N, and its CoP times that, N m.
+    others: Track<3>,
     /// Readings in which the other foot was in the air.
-    pub lifted: u64,
-    /// Readings between no messages of the other contact that are close enough.
-    pub alone: u64,
+    lifted: u64,
 }
 
 impl<R> Contacts<R> {
     pub fn new() -> Contacts<R> {
         Contacts {
-            waiting: VecDeque::new(),
-            others: VecDeque::new(),
+            waiting: Waiting::new(),
+            others: Track(VecDeque::new()),
             lifted: 0,
-            alone: 0,
         }
     }
 
     /// A reading of the support at time `t`, s, under a force, N.
     pub fn reading(&mut self, t: f64, force: f64, reading: R) {
-        if !t.is_finite() || self.waiting.len() >= MOST {
-            self.alone += 1;
-            return;
-        }
-        self.waiting.push_back((t, force.abs(), reading));
+        self.waiting.push(t, (force.abs(), reading));
     }
 
-    /// A wrench of the other contact. Stamps that go back begin anew.
+    /// A wrench of the other contact.
     pub fn other(&mut self, t: f64, [force, torque]: [[f64; 3]; 2]) {
-        if !t.is_finite() {
-            return;
-        }
-        if self.others.back().is_some_and(|last| t < last.t) {
-            self.others.clear();
-        }
         let cop = centre([force, torque]).filter(|cop| cop.iter().all(|x| x.is_finite()));
         let force = cop.map_or(0.0, |_| force[2].abs());
-        let moment = cop.unwrap_or([0.0; 2]).map(|x| force * x);
-        self.others.push_back(Other { t, force, moment });
-        let before = self.waiting.front().map_or(t, |(at, ..)| at.min(t)) - LONGEST_S;
-        while self.others.len() > 2 && (self.others[1].t < before || self.others.len() > MOST) {
-            self.others.pop_front();
-        }
+        let [x, y] = cop.unwrap_or([0.0; 2]).map(|x| force * x);
+        let first = self.waiting.first().map_or(t, |at| at.min(t));
+        self.others.push(t, [force, x, y], first - LONGEST_S);
     }
 
     /// The next reading with what the other contact has; of the last ones where the recording has
     /// `ended`.
     pub fn next(&mut self, ended: bool) -> Option<(R, Share)> {
-        while let Some((t, ..)) = self.waiting.front() {
-            let t = *t;
-            if !ended && self.others.back().is_none_or(|last| last.t < t) {
+        while let Some(t) = self.waiting.first() {
+            if !ended && self.others.0.back().is_none_or(|(last, _)| *last < t) {
                 return None;
             }
             let other = self.at(t);
-            let (_, own, reading) = self.waiting.pop_front()?;
+            let (_, (own, reading)) = self.waiting.readings.pop_front()?;
             match other {
-                None => self.alone += 1,
-                Some(other) if other.force < LEAST_LOAD_N => self.lifted += 1,
-                Some(other) => {
+                None => self.waiting.left_out += 1,
+                Some([force, ..]) if force < LEAST_LOAD_N => self.lifted += 1,
+                Some([force, x, y]) => {
                     let share = Share {
-                        share: other.force / (own + other.force),
-                        cop: other.moment.map(|moment| moment / other.force),
+                        share: force / (own + force),
+                        cop: [x, y].map(|moment| moment / force),
                     };
                     return Some((reading, share));
                 }
@@ -193,8 +177,8 @@ impl<R> Contacts<R> {
     }
 
     /// What is said of `readings` that were left out.
-    pub fn left_out(&self, readings: u64) -> Option<String> {
-        let Contacts { lifted, alone, .. } = self;
+    pub fn conclude(&self, readings: u64) -> Option<String> {
+        let (lifted, alone) = (self.lifted, self.waiting.left_out);
         (lifted + alone > 0).then(|| {
             format!(
                 "of {readings} readings {lifted} have the other foot in the air, {alone} no \
@@ -204,23 +188,14 @@ impl<R> Contacts<R> {
     }
 
     /// The other contact at time `t`; none where no messages are near enough.
-    fn at(&self, t: f64) -> Option<Other> {
-        let after = self.others.partition_point(|other| other.t < t);
-        let next = *self.others.get(after)?;
-        if next.t == t {
-            return Some(next);
-        }
-        let last = self.others.get(after.checked_sub(1)?)?;
-        if next.t - last.t > LONGEST_S {
-            return None;
-        }
-        let part = (t - last.t) / (next.t - last.t);
-        let between = |a: f64, b: f64| a + part * (b - a);
-        Some(Other {
-            t,
-            force: between(last.force, next.force),
-            moment: [0, 1].map(|axis| between(last.moment[axis], next.moment[axis])),
-        })
+    fn at(&self, t: f64) -> Option<[f64; 3]> {
+        let [before, after] = self.others.around(t)?.map(|k| self.others.0[k]);
+        let part = match after.0 - before.0 {
+            0.0 => 0.0,
+            time => (t - before.0) / time,
+        };
+        let between = |k: usize| before.1[k] + part * (after.1[k] - before.1[k]);
+        Some([0, 1, 2].map(between))
     }
 }
 
@@ -232,17 +207,17 @@ pub(super) struct Frames {
     links: Vec<String>,
     /// Frames that came: the link that stands, empty where nothing says it, and how readings are
     /// moved to it.
-    known: HashMap<String, (String, Option<Frame>)>,
-    /// Frames beside the support, in the order in which they came.
-    odd: Vec<String>,
+    known: HashMap<String, (Arc<str>, Option<Frame>)>,
+    /// What there is to say of frames beside the support, in the order in which they came.
+    pub odd: Vec<String>,
 }
 
 impl Frames {
-    pub fn new(soles: Option<Arc<dyn Soles>>, support: Option<String>, links: &[String]) -> Frames {
+    pub fn new(options: &Options) -> Frames {
         Frames {
-            soles,
-            support,
-            links: links.to_vec(),
+            soles: options.soles.clone(),
+            support: options.support.clone(),
+            links: options.links.clone(),
             known: HashMap::new(),
             odd: Vec::new(),
         }
@@ -250,21 +225,21 @@ impl Frames {
 
     /// The link that is the support of a reading, empty where the frame is none, and how the
     /// reading is moved to it.
-    pub fn of(&mut self, frame: &str) -> (String, Option<Frame>) {
+    pub fn of(&mut self, frame: &str) -> (Arc<str>, Option<Frame>) {
         let frame = frame.trim_start_matches('/');
         if let Some(known) = self.known.get(frame) {
             return known.clone();
         }
-        let judged = self.judge(frame);
+        let (link, moved) = self.judge(frame);
+        let judged = (Arc::from(link), moved);
         self.known.insert(frame.to_string(), judged.clone());
         judged
     }
 
     fn judge(&mut self, frame: &str) -> (String, Option<Frame>) {
-        let none = (String::new(), None);
         let support = self.support.as_deref();
         if frame.is_empty() || self.links.is_empty() {
-            return none;
+            return Default::default();
         }
         if support != Some(frame) && !self.links.iter().any(|link| link == frame) {
             let sole = support.map_or("the support".to_string(), |own| format!("`{}`", short(own)));
@@ -273,31 +248,31 @@ impl Frames {
                  those about the origin of {sole}",
                 short(frame)
             ));
-            return none;
+            return Default::default();
         }
-        if let (Some(support), Some(soles)) = (support, &self.soles)
-            && support != frame
-            && let Some(moved) = soles.fixed(support, frame)
-        {
-            self.odd.push(format!(
-                "readings are in the frame `{}` and are moved to `{}`, of the same body, by the URDF",
-                short(frame),
-                short(support)
-            ));
-            return (support.to_string(), Some(moved));
+        let Some(support) = support.filter(|own| *own != frame) else {
+            return (frame.to_string(), None);
+        };
+        let moved = self
+            .soles
+            .as_ref()
+            .and_then(|soles| soles.fixed(support, frame));
+        if moved.is_none() {
+            return (frame.to_string(), None);
         }
-        (frame.to_string(), None)
-    }
-
-    /// What there is to say of frames, once.
-    pub fn said(&mut self) -> Vec<String> {
-        std::mem::take(&mut self.odd)
+        self.odd.push(format!(
+            "readings are in the frame `{}` and are moved to `{}`, of the same body, by the URDF",
+            short(frame),
+            short(support)
+        ));
+        (support.to_string(), moved)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::logs::stillness::MOST;
 
     /// A force along z at a point.
     fn at(force: f64, [x, y]: [f64; 2]) -> ([f64; 3], [f64; 3]) {
@@ -337,8 +312,8 @@ mod tests {
         assert_eq!(contacts.next(false), None);
         contacts.reading(2.5, 50.0, 3);
         assert_eq!(contacts.next(true), None);
-        assert_eq!((contacts.lifted, contacts.alone), (1, 2));
-        let said = contacts.left_out(4).unwrap();
+        assert_eq!((contacts.lifted, contacts.waiting.left_out), (1, 2));
+        let said = contacts.conclude(4).unwrap();
         assert!(said.contains("of 4 readings 1 have the other foot in the air, 2 no"));
     }
 
@@ -349,10 +324,10 @@ mod tests {
         for k in 0..2 * MOST {
             contacts.other(0.001 * k as f64, [force, torque]);
         }
-        assert!(contacts.others.len() < 200, "{}", contacts.others.len());
+        assert!(contacts.others.0.len() < 200, "{}", contacts.others.0.len());
         for k in 0..2 * MOST {
             contacts.reading(1e3 + k as f64, 50.0, 0);
         }
-        assert_eq!(contacts.alone, MOST as u64);
+        assert_eq!(contacts.waiting.left_out, MOST as u64);
     }
 }

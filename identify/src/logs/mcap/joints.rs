@@ -23,9 +23,9 @@ use sesc_model::tree::Dof;
 use super::cdr::JointState;
 use crate::logs::criteria::{FASTER, FASTEST_RAD_S, LEAP, RETURNS};
 use crate::logs::names::short;
+use crate::logs::stillness::MOST;
 
 /// Positions of the robot's joints in a message, rad or m.
-#[derive(Debug, Clone, PartialEq)]
 pub(super) struct State {
     /// s
     pub t: f64,
@@ -44,8 +44,8 @@ pub(super) struct States {
     foreign: Vec<(usize, f64)>,
     seen: u64,
     left_out: u64,
-    /// The joint that leapt first, how far, in what time, s, and its limit in a second.
-    leap: Option<(String, f64, f64, f64)>,
+    /// The first leap, in words.
+    leap: String,
 }
 
 /// Where a joint was last, and what it can do.
@@ -53,7 +53,7 @@ struct Joint {
     name: String,
     endless: bool,
     /// rad/s or m/s
-    fastest: f64,
+    limit: f64,
     t: f64,
     q: f64,
 }
@@ -63,13 +63,12 @@ impl States {
     pub fn new(names: &[String], dofs: &[Dof]) -> States {
         let joint = |name: &String| {
             let dof = dofs.iter().find(|dof| dof.joint.trim() == name);
-            let limit = dof
-                .map(|dof| dof.speed)
-                .filter(|v| *v > 0.0 && v.is_finite());
+            let limit = dof.map_or(0.0, |dof| dof.speed);
+            let is_limited = limit > 0.0 && limit.is_finite();
             Joint {
                 name: name.clone(),
                 endless: dof.is_some_and(|dof| dof.continuous),
-                fastest: FASTER * limit.unwrap_or(FASTEST_RAD_S),
+                limit: if is_limited { limit } else { FASTEST_RAD_S },
                 t: f64::NAN,
                 q: f64::NAN,
             }
@@ -81,39 +80,34 @@ impl States {
             foreign: Vec::new(),
             seen: 0,
             left_out: 0,
-            leap: None,
+            leap: String::new(),
         }
     }
 
-    /// What a message says of the joints.
-    pub fn placed(&self, t: f64, message: &JointState) -> State {
-        let (mut q, mut speed) = (Vec::with_capacity(message.name.len()), 0.0_f64);
-        for (k, (name, position)) in message.name.iter().zip(&message.position).enumerate() {
+    /// Take the next message; gives back the state before it, if it is the robot's.
+    pub fn push(&mut self, t: f64, message: &JointState) -> Option<State> {
+        self.seen += 1;
+        let (mut q, mut speed) = (Vec::with_capacity(message.joints.len()), 0.0_f64);
+        for (name, position, velocity) in &message.joints {
             if let Some(place) = self.place.get(name.trim()) {
                 q.push((*place, *position));
-                // Drivers that do not measure it send nothing or NaN.
-                let velocity = message.velocity.get(k).filter(|v| v.is_finite());
-                speed = speed.max(velocity.map_or(0.0, |v| v.abs()));
+                speed = speed.max(velocity.abs());
             }
         }
-        State { t, q, speed }
-    }
-
-    /// Take the next state; gives back the one before it, if it is the robot's.
-    pub fn push(&mut self, mut state: State) -> Option<State> {
-        self.seen += 1;
         // The one before is where the joints are, unless it is left out.
-        let held = self.held.take();
-        let held = held.filter(|held| !self.is_foreign(held, &state));
+        let held = self
+            .held
+            .take()
+            .filter(|held| !self.is_foreign(held, t, &q));
         if let Some(held) = &held {
             for (place, q) in &held.q {
                 (self.joints[*place].t, self.joints[*place].q) = (held.t, *q);
             }
         }
-        for (place, q) in &mut state.q {
+        for (place, q) in &mut q {
             *q = self.joints[*place].nearest(*q);
         }
-        self.held = Some(state);
+        self.held = Some(State { t, q, speed });
         held
     }
 
@@ -132,45 +126,49 @@ impl States {
     /// # Errors
     /// Where they are more than a quarter: which are the robot's cannot be told.
     pub fn conclude(&self) -> Result<Option<String>, String> {
-        let Some((joint, step, time, limit)) = &self.leap else {
+        if self.left_out == 0 {
             return Ok(None);
-        };
+        }
         let said = format!(
-            "{} of {} joint states are of another sender or a glitch (joint `{}` leaps by {step:.2} in \
-             {:.1} ms and back, {limit} a second are its limit)",
-            self.left_out,
-            self.seen,
-            short(joint),
-            1e3 * time
+            "{} of {} joint states are of another sender or a glitch ({})",
+            self.left_out, self.seen, self.leap
         );
-        match self.left_out as f64 > 0.25 * self.seen as f64 {
-            true => Err(format!(
+        if self.left_out as f64 > 0.25 * self.seen as f64 {
+            return Err(format!(
                 "{said}: which are the robot's cannot be told; stop the other sender, as a \
                  joint_state_publisher, and record again"
-            )),
-            false => Ok(Some(format!("{said} and are left out"))),
+            ));
         }
+        Ok(Some(format!("{said} and are left out")))
     }
 
-    /// Whether a state is left out, by where the joints were before and are after it.
-    fn is_foreign(&mut self, held: &State, next: &State) -> bool {
+    /// Whether a state is left out, by where the joints were before and are in the `next` message.
+    fn is_foreign(&mut self, held: &State, next_t: f64, next: &[(usize, f64)]) -> bool {
         let mut is_foreign = !self.foreign.is_empty() && held.q == self.foreign;
         for (k, (place, q)) in held.q.iter().enumerate() {
             // Mostly both name the same joints.
-            let same = next.q.get(k).filter(|(other, _)| other == place);
-            let after = same.or_else(|| next.q.iter().find(|(other, _)| other == place));
+            let same = next.get(k).filter(|(other, _)| other == place);
+            let after = same.or_else(|| next.iter().find(|(other, _)| other == place));
             let Some((_, after)) = after else {
                 continue;
             };
             let joint = &self.joints[*place];
             let (before, after) = (joint.q, joint.nearest(*after));
             let (step, back) = ((q - before).abs(), (after - q).abs());
-            let [there, on] = [held.t - joint.t, next.t - held.t].map(|dt| dt.max(1e-4));
-            let leaps = step > LEAP && step > joint.fastest * there && back > joint.fastest * on;
+            let [there, on] = [held.t - joint.t, next_t - held.t].map(|dt| dt.max(1e-4));
+            let fastest = FASTER * joint.limit;
+            let leaps = step > LEAP && step > fastest * there && back > fastest * on;
             if leaps && (after - before).abs() < RETURNS * step {
                 is_foreign = true;
-                let leap = || (joint.name.clone(), step, there, joint.fastest / FASTER);
-                self.leap.get_or_insert_with(leap);
+                if self.leap.is_empty() {
+                    self.leap = format!(
+                        "joint `{}` leaps by {step:.2} in {:.1} ms and back, {} a second are its \
+                         limit",
+                        short(&joint.name),
+                        1e3 * there,
+                        joint.limit
+                    );
+                }
                 break;
             }
         }
@@ -185,91 +183,136 @@ impl States {
 impl Joint {
     /// An angle on the branch that is nearest to where the joint was.
     fn nearest(&self, q: f64) -> f64 {
-        match self.endless && self.q.is_finite() {
-            true => q - TAU * ((q - self.q) / TAU).round(),
-            false => q,
+        if self.endless && self.q.is_finite() {
+            q - TAU * ((q - self.q) / TAU).round()
+        } else {
+            q
         }
     }
 }
 
-/// Messages of a joint between which a reading may lie are no further apart, s. Closed form: the
+/// Messages between which a reading may lie are no further apart, s. Closed form: the
 /// cubic errs by `3/128 (ω Δt)⁴` of a sine of ω, 0.1 % at 0.7 Hz; at twice as much 1.4 %.
 pub(super) const LONGEST_S: f64 = 0.1;
-/// Messages of a joint that are kept, s: readings may arrive so much later than joints.
+/// Positions of a joint that are kept, s: readings may arrive so much later than joints.
 const KEPT_S: f64 = 2.0;
-/// Messages of a joint or a contact, and readings that wait for them, at most.
-pub(super) const MOST: usize = 65_536;
 /// Messages on either side of a reading.
 const SIDE: usize = 2;
 
-/// A reading at time `t` with the joints there.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Row<R> {
-    pub q: Vec<f64>,
-    pub reading: R,
+/// What messages of one sender say, `N` numbers each, in the order of their stamps.
+pub(super) struct Track<const N: usize>(pub VecDeque<(f64, [f64; N])>);
+
+impl<const N: usize> Track<N> {
+    /// Add a message, and forget those that no reading needs that comes after time `first`. Stamps
+    /// that go back far begin anew, and one that is there already says nothing.
+    pub fn push(&mut self, t: f64, values: [f64; N], first: f64) {
+        let all = &mut self.0;
+        let last = all.back().map_or(f64::NEG_INFINITY, |(last, _)| *last);
+        if !t.is_finite() || t == last || (t < last && last - t < KEPT_S) {
+            return;
+        }
+        if t < last {
+            all.clear();
+        }
+        all.push_back((t, values));
+        while all.len() > 2 * SIDE && (all[SIDE].0 < first || all.len() > MOST) {
+            all.pop_front();
+        }
+    }
+
+    /// The messages before and after time `t`, which are one at its own stamp; none where they are
+    /// too far apart.
+    pub fn around(&self, t: f64) -> Option<[usize; 2]> {
+        let after = self.0.partition_point(|(at, _)| *at < t);
+        if self.0.get(after)?.0 == t {
+            return Some([after; 2]);
+        }
+        let before = after.checked_sub(1)?;
+        self.is_near(before).then_some([before, after])
+    }
+
+    /// Whether the message after that one is near enough.
+    fn is_near(&self, before: usize) -> bool {
+        self.0[before + 1].0 - self.0[before].0 <= LONGEST_S
+    }
+}
+
+/// Readings that wait for messages of other senders.
+pub(super) struct Waiting<R> {
+    pub readings: VecDeque<(f64, R)>,
+    /// Readings that lie between no messages that are close enough.
+    pub left_out: u64,
+}
+
+impl<R> Waiting<R> {
+    pub fn new() -> Waiting<R> {
+        Waiting {
+            readings: VecDeque::new(),
+            left_out: 0,
+        }
+    }
+
+    /// A reading at time `t`.
+    pub fn push(&mut self, t: f64, reading: R) {
+        if t.is_finite() && self.readings.len() < MOST {
+            self.readings.push_back((t, reading));
+        } else {
+            self.left_out += 1;
+        }
+    }
+
+    /// Time of the next reading.
+    pub fn first(&self) -> Option<f64> {
+        self.readings.front().map(|(t, _)| *t)
+    }
 }
 
 /// Joints and readings, each in the order of their stamps.
 pub(super) struct Moving<R> {
-    /// Stamps and positions of each joint.
-    joints: Vec<VecDeque<[f64; 2]>>,
-    waiting: VecDeque<(f64, R)>,
-    /// Readings that lie between no messages that are close enough.
-    pub left_out: u64,
+    joints: Vec<Track<1>>,
+    waiting: Waiting<R>,
 }
 
 impl<R> Moving<R> {
     pub fn new(dof: usize) -> Moving<R> {
         Moving {
-            joints: vec![VecDeque::new(); dof],
-            waiting: VecDeque::new(),
-            left_out: 0,
+            joints: (0..dof).map(|_| Track(VecDeque::new())).collect(),
+            waiting: Waiting::new(),
         }
     }
 
-    /// A position of a joint at time `t`. Stamps that go back begin anew, and one that is there
-    /// already says nothing.
+    /// A position of a joint at time `t`.
     pub fn position(&mut self, joint: usize, t: f64, q: f64) {
-        let all = &mut self.joints[joint];
-        let last = all.back().map_or(f64::NEG_INFINITY, |[last, _]| *last);
-        if !(t.is_finite() && q.is_finite()) || t == last {
-            return;
-        }
-        if t < last {
-            if last - t < KEPT_S {
-                return;
-            }
-            all.clear();
-        }
-        all.push_back([t, q]);
-        let before = self.waiting.front().map_or(t, |(at, _)| at.min(t)) - KEPT_S;
-        while all.len() > 2 * SIDE && (all[SIDE][0] < before || all.len() > MOST) {
-            all.pop_front();
-        }
+        let first = self.waiting.first().map_or(t, |at| at.min(t));
+        self.joints[joint].push(t, [q], first - KEPT_S);
     }
 
     /// A reading at time `t`.
     pub fn reading(&mut self, t: f64, reading: R) {
-        if !t.is_finite() || self.waiting.len() >= MOST {
-            self.left_out += 1;
-            return;
-        }
-        self.waiting.push_back((t, reading));
+        self.waiting.push(t, reading);
     }
 
-    /// The next reading whose joints are known; of the last ones where the recording has `ended`.
-    pub fn next(&mut self, ended: bool) -> Option<Row<R>> {
-        while let Some((t, _)) = self.waiting.front() {
-            let t = *t;
-            let past = |all: &VecDeque<[f64; 2]>| all.len() > SIDE && all[all.len() - SIDE][0] >= t;
+    /// Readings that were left out.
+    pub fn left_out(&self) -> u64 {
+        self.waiting.left_out
+    }
+
+    /// The next reading whose joints are known, and these; of the last ones where the recording has
+    /// `ended`.
+    pub fn next(&mut self, ended: bool) -> Option<(Vec<f64>, R)> {
+        while let Some(t) = self.waiting.first() {
+            let past = |own: &Track<1>| {
+                let after = own.0.len().checked_sub(SIDE);
+                after.is_some_and(|k| k > 0 && own.0[k].0 >= t)
+            };
             if !ended && !self.joints.iter().all(past) {
                 return None;
             }
-            let q: Option<Vec<f64>> = self.joints.iter().map(|all| between(all, t)).collect();
-            let (_, reading) = self.waiting.pop_front()?;
+            let q: Option<Vec<f64>> = self.joints.iter().map(|own| between(own, t)).collect();
+            let (_, reading) = self.waiting.readings.pop_front()?;
             match q {
-                Some(q) => return Some(Row { q, reading }),
-                None => self.left_out += 1,
+                Some(q) => return Some((q, reading)),
+                None => self.waiting.left_out += 1,
             }
         }
         None
@@ -277,32 +320,20 @@ impl<R> Moving<R> {
 }
 
 /// The position at time `t` between messages of a joint; none where they are too far apart.
-fn between(all: &VecDeque<[f64; 2]>, t: f64) -> Option<f64> {
-    let after = all.partition_point(|[at, _]| *at < t);
-    let [next, q] = *all.get(after)?;
-    if next == t {
-        return Some(q);
+fn between(track: &Track<1>, t: f64) -> Option<f64> {
+    let [before, after] = track.around(t)?;
+    let all = &track.0;
+    if before == after {
+        return Some(all[after].1[0]);
     }
-    let before = after.checked_sub(1)?;
-    let near = |a: usize, b: usize| all[b][0] - all[a][0] <= LONGEST_S;
-    if !near(before, after) {
-        return None;
-    }
-    let first = match before.checked_sub(1) {
-        Some(first) if near(first, before) => first,
-        _ => before,
-    };
-    let last = match after + 1 < all.len() && near(after, after + 1) {
-        true => after + 1,
-        false => after,
-    };
+    let first = before - usize::from(before > 0 && track.is_near(before - 1));
+    let last = after + usize::from(after + 1 < all.len() && track.is_near(after));
     let weight = |k: usize| -> f64 {
         let others = (first..=last).filter(|i| *i != k);
-        others
-            .map(|i| (t - all[i][0]) / (all[k][0] - all[i][0]))
-            .product()
+        let parts = others.map(|i| (t - all[i].0) / (all[k].0 - all[i].0));
+        parts.product()
     };
-    Some((first..=last).map(|k| weight(k) * all[k][1]).sum())
+    Some((first..=last).map(|k| weight(k) * all[k].1[0]).sum())
 }
 
 #[cfg(test)]
@@ -313,7 +344,7 @@ mod tests {
         0.3 - t + 0.5 * t * t - 2.0 * t * t * t
     }
 
-    fn rows(moving: &mut Moving<f64>, ended: bool) -> Vec<Row<f64>> {
+    fn rows(moving: &mut Moving<f64>, ended: bool) -> Vec<(Vec<f64>, f64)> {
         std::iter::from_fn(|| moving.next(ended)).collect()
     }
 
@@ -331,12 +362,12 @@ mod tests {
         }
         assert!(found.len() > 90, "{}", found.len());
         found.extend(rows(&mut moving, true));
-        for Row { q: own, reading: t } in &found[2..found.len() - 2] {
+        for (own, t) in &found[2..found.len() - 2] {
             assert!((own[0] - q(*t)).abs() < 1e-12, "{t}: {own:?}");
             assert!((own[1] + q(*t)).abs() < 1e-12, "{t}: {own:?}");
         }
         // At the first message of the later joint there is none before it.
-        assert_eq!(found.len() as u64 + moving.left_out, 100);
+        assert_eq!(found.len() as u64 + moving.left_out(), 100);
     }
 
     #[test]
@@ -348,7 +379,7 @@ mod tests {
             moving.reading(t, t);
         }
         let found = rows(&mut moving, true);
-        let joints: Vec<f64> = found.iter().map(|row| row.q[0]).collect();
+        let joints: Vec<f64> = found.iter().map(|row| row.0[0]).collect();
         assert_eq!(joints, [0.1, 1.1, 2.1, 3.1, 4.1]);
     }
 
@@ -360,9 +391,9 @@ mod tests {
             moving.reading(at, at);
         }
         let found = rows(&mut moving, true);
-        let kept: Vec<f64> = found.iter().map(|row| row.reading).collect();
-        assert_eq!((kept, moving.left_out), (vec![0.05, 0.95], 2));
-        assert!((found[1].q[0] - 0.95).abs() < 1e-12);
+        let kept: Vec<f64> = found.iter().map(|row| row.1).collect();
+        assert_eq!((kept, moving.left_out()), (vec![0.05, 0.95], 2));
+        assert!((found[1].0[0] - 0.95).abs() < 1e-12);
     }
 
     /// Readings without joints, and joints without readings, do not pile up.
@@ -372,11 +403,15 @@ mod tests {
         for k in 0..2 * MOST {
             moving.reading(k as f64, 0.0);
         }
-        assert_eq!(moving.left_out, MOST as u64);
+        assert_eq!(moving.left_out(), MOST as u64);
         let mut moving: Moving<f64> = Moving::new(1);
         for k in 0..2 * MOST {
             moving.position(0, 0.001 * k as f64, 0.0);
         }
-        assert!(moving.joints[0].len() < 3000, "{}", moving.joints[0].len());
+        assert!(
+            moving.joints[0].0.len() < 3000,
+            "{}",
+            moving.joints[0].0.len()
+        );
     }
 }

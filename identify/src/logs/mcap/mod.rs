@@ -16,9 +16,7 @@
 //! Stretches in which the robot holds still are postures, see [`StillnessLimits`]; each
 //! reading in one is a row, with the joints' means. A log without readings has
 //! one row per posture. Of a robot that holds still nowhere, or where [`Stays::Moving`] is asked
-//! for, every reading is a row, with the joints between their messages ([`joints`]). In a
-//! recording of [`Recording`](super::writer::Recording) each joint state is a posture, and the
-//! CoP's topic is the one that it names.
+//! for, every reading is a row, with the joints between their messages ([`joints`]).
 
 mod cdr;
 mod contacts;
@@ -27,7 +25,6 @@ mod records;
 mod survey;
 #[cfg(test)]
 pub(super) mod tests;
-mod write;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -35,8 +32,8 @@ use std::sync::Arc;
 use sesc_model::tree::Dof;
 
 use self::cdr::JointState;
-use self::contacts::{Contacts, Frames, Pair};
-use self::joints::{LONGEST_S, Moving, Row, State, States};
+use self::contacts::{Contacts, Frames};
+use self::joints::{LONGEST_S, Moving, State, States};
 use self::records::Records;
 use self::survey::Survey;
 use super::block::Share;
@@ -44,18 +41,14 @@ use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, FZ, POSE, SUPPORT, T};
 use super::input::{Metered, Place};
 use super::names::short;
-use super::settings::{Options, Readings, Stays, StillnessLimits};
-use super::source::{Interner, Raw, RowSource};
+use super::settings::{Options, Stays, StillnessLimits};
+use super::source::{Raw, RowSource};
 use super::stillness::{Posture, StillnessCutter};
 use crate::{Error, Message};
 
 const STATE: &str = "sensor_msgs/msg/JointState";
 const WRENCH: &str = "geometry_msgs/msg/WrenchStamped";
 const POINT: &str = "geometry_msgs/msg/PointStamped";
-
-/// Key and value in the description of a topic each message of which is a posture of its own, or
-/// the reading that belongs to it, however short the robot held still.
-const OWN_POSTURES: [&str; 2] = ["sesc", "a message is a posture"];
 
 /// Columns before the joints; a recording without readings has three of them, one of points has
 /// no force.
@@ -87,24 +80,18 @@ struct Ready {
 pub(super) struct McapSource {
     file: String,
     records: Records<Metered>,
-    meter: Metered,
     header: Vec<String>,
     survey: Survey,
     joints: States,
     /// Readings since the last joint state, which waits for the next one.
     since: Vec<Reading>,
     q: Vec<f64>,
-    /// The user named the topic of the readings, or the recording does.
-    chosen: bool,
-    /// The two contacts of a recording of both feet, and readings that wait for both.
-    both: Option<(Pair, Contacts<Reading>)>,
-    frames_of: Frames,
-    stillness: StillnessLimits,
+    contacts: Contacts<Reading>,
+    frames: Frames,
     cutter: StillnessCutter<Reading>,
     /// Joints and readings, where the recording is one of a robot that moves.
     moving: Option<Moving<Reading>>,
     ready: VecDeque<Ready>,
-    frames: Interner,
     /// Messages of joints, and those that name a joint without its position.
     states: u64,
     without_positions: u64,
@@ -119,56 +106,42 @@ pub(super) struct McapSource {
 
 impl McapSource {
     /// Look which joints and readings the recording has, then start over. `topics`: of the CoP
-    /// and of the joints, where the caller says.
+    /// and of the joints, where the sidecar says.
     pub fn open(
         place: &Place,
         file: &str,
         dofs: &[Dof],
         options: &Options,
-        topics: (Option<&str>, Option<&str>),
+        topics: [Option<&str>; 2],
     ) -> Result<McapSource, Error> {
         let bad = |message| Error::log(file.to_string(), None, message);
-        let start = || -> Result<(Records<_>, Metered), Error> {
-            let input = Metered::open(place, file)?;
-            Ok((Records::new(input.clone()).map_err(bad)?, input))
-        };
-        let wanted = options.readings != Readings::Ignored;
-        let mut survey = Survey::of(start()?.0, dofs, topics, wanted).map_err(bad)?;
+        let start = || Records::new(Metered::open(place, file)?).map_err(bad);
+        let survey = Survey::of(start()?, dofs, topics, options).map_err(bad)?;
         let mut warnings = Vec::new();
-        let mut both = None;
-        if topics.0.is_none() && survey.topic.is_some() && !survey.said {
-            both = Pair::asked(start()?.0, dofs.len(), options).map_err(bad)?;
-        }
-        if let Some(pair) = &both {
+        if let Some(pair) = &survey.pair {
             warnings.push(format!("{file}: {}", pair.sentence()).into());
-            survey.topic = Some(pair.topics[0].clone());
         }
-        let moves = match options.stays {
-            _ if survey.topic.is_none() || survey.said => false,
-            Stays::Moving => true,
-            Stays::Alone(_) => false,
-            Stays::Pooled | Stays::Apart => {
-                let alone = Survey {
-                    topic: None,
-                    ..survey.clone()
-                };
-                let joints = McapSource::new(file, start()?, alone, dofs, options);
-                !joints.holds_still().map_err(bad)?
+        let mut moves = survey.topic.is_some() && options.stays == Stays::Moving;
+        if survey.topic.is_some() && matches!(options.stays, Stays::Pooled | Stays::Apart) {
+            let joints = Survey {
+                topic: None,
+                pair: None,
+                ..survey.clone()
+            };
+            let joints = McapSource::new(file, start()?, joints, dofs, options);
+            moves = !joints.holds_still().map_err(bad)?;
+            if moves {
+                let StillnessLimits { speed, duration } = limits_of(options.stays);
+                let warning = format!(
+                    "{file}: the robot holds still nowhere ({duration} s with every joint below \
+                     {speed} rad/s): every reading is a row of a robot that moves"
+                );
+                warnings.push(warning.into());
             }
-        };
-        if moves && options.stays != Stays::Moving {
-            let StillnessLimits { speed, duration } = options.stillness;
-            let warning = format!(
-                "{file}: the robot holds still nowhere ({duration} s with every joint below \
-                 {speed} rad/s): every reading is a row of a robot that moves"
-            );
-            warnings.push(warning.into());
         }
         let source = McapSource::new(file, start()?, survey, dofs, options);
         Ok(McapSource {
             moving: moves.then(|| Moving::new(source.q.len())),
-            chosen: topics.0.is_some() || source.survey.said || both.is_some(),
-            both: both.map(|pair| (pair, Contacts::new())),
             warnings,
             ..source
         })
@@ -177,7 +150,7 @@ impl McapSource {
     /// A recording from its start on.
     fn new(
         file: &str,
-        (records, meter): (Records<Metered>, Metered),
+        records: Records<Metered>,
         survey: Survey,
         dofs: &[Dof],
         options: &Options,
@@ -188,24 +161,19 @@ impl McapSource {
             (_, true) => FIRST.len(),
         };
         let names = FIRST[..first].iter().map(|name| name.to_string());
-        let (soles, support) = (options.soles.clone(), options.support.clone());
         McapSource {
             file: file.to_string(),
             records,
-            meter,
             header: names.chain(survey.joints.iter().cloned()).collect(),
             joints: States::new(&survey.joints, dofs),
             since: Vec::new(),
             q: vec![f64::NAN; survey.joints.len()],
             survey,
-            chosen: false,
-            both: None,
-            frames_of: Frames::new(soles, support, &options.links),
-            stillness: options.stillness,
-            cutter: StillnessCutter::new(options.stillness),
+            contacts: Contacts::new(),
+            frames: Frames::new(options),
+            cutter: StillnessCutter::new(limits_of(options.stays)),
             moving: None,
             ready: VecDeque::new(),
-            frames: Interner::default(),
             states: 0,
             without_positions: 0,
             readings: 0,
@@ -217,8 +185,7 @@ impl McapSource {
         }
     }
 
-    /// Whether the robot holds still anywhere, or each joint state is a posture of its own; reads
-    /// up to the end of the first such stretch.
+    /// Whether the robot holds still anywhere; reads up to the end of the first such stretch.
     fn holds_still(mut self) -> Result<bool, String> {
         while self.ready.is_empty() && self.advance()? {}
         Ok(!self.ready.is_empty())
@@ -243,29 +210,30 @@ impl McapSource {
             self.joints_are(last);
             let last = self.cutter.end();
             self.keep(last);
-            self.take_moving();
             return Ok(false);
         };
         let topic = &message.channel.topic;
         if message.channel.schema == STATE {
-            if self.survey.joint_topics.takes(topic) {
+            let topics = &self.survey.joint_topics;
+            if topics.is_empty() || topics.contains_key(topic) {
                 let (t, _, state) = message.decoded(JointState::decode)?;
-                let apart = message.channel.own_postures;
-                self.state(t, &state, apart);
+                self.states += 1;
+                self.without_positions += u64::from(state.misses_positions);
+                let before = self.joints.push(t, &state);
+                self.joints_are(before);
             }
             return Ok(true);
         }
-        if let Some((pair, contacts)) = &mut self.both
-            && pair.topics[1] == *topic
-        {
+        let pair = self.survey.pair.as_ref();
+        if pair.is_some_and(|pair| pair.topics[1] == *topic) {
             let (t, _, wrench) = message.decoded(cdr::wrench)?;
-            contacts.other(t, wrench);
+            self.contacts.other(t, wrench);
             self.take_both();
             return Ok(true);
         }
         match &self.survey.topic {
             Some(own) if own == topic => {}
-            Some(own) if !self.chosen => {
+            Some(own) if !self.survey.chosen => {
                 return Err(format!(
                     "the CoP is on `{}` and on `{}`; choose one by `topic = \"…\"` in the sidecar",
                     short(own),
@@ -276,12 +244,12 @@ impl McapSource {
         }
         let (t, link, force, cop) = if message.channel.schema == POINT {
             let (t, frame, at) = message.decoded(cdr::point)?;
-            let (link, moved) = self.frames_of.of(&frame);
+            let (link, moved) = self.frames.of(&frame);
             let [x, y, _] = moved.map_or(at, |frame| frame.placed(at));
             (t, link, 0.0, Some([x, y]))
         } else {
             let (t, frame, wrench) = message.decoded(cdr::wrench)?;
-            let (link, moved) = self.frames_of.of(&frame);
+            let (link, moved) = self.frames.of(&frame);
             let wrench = moved.map_or(wrench, |frame| frame.moved(wrench));
             (t, link, wrench[0][2], centre(wrench))
         };
@@ -294,30 +262,36 @@ impl McapSource {
                 let reading = Reading {
                     number: self.readings,
                     t,
-                    frame: self.frames.get(&link),
+                    frame: link,
                     cop,
                     force,
                     other: None,
                 };
-                self.reading(reading);
+                if self.survey.pair.is_some() {
+                    self.contacts.reading(t, force, reading);
+                    self.take_both();
+                } else {
+                    self.place(reading);
+                }
             }
         }
         Ok(true)
     }
 
-    /// Joint positions, as a posture of its own where it is `apart`.
-    fn state(&mut self, t: f64, state: &JointState, apart: bool) {
-        self.states += 1;
-        self.without_positions += u64::from(state.misses_positions);
-        let state = self.joints.placed(t, state);
-        if apart {
-            state.q.iter().for_each(|(place, q)| self.q[*place] = *q);
-            let ended = self.cutter.posture(t, &self.q);
-            self.keep(ended);
-            return;
+    /// Readings of the support for which the other contact is known by now.
+    fn take_both(&mut self) {
+        while let Some((mut reading, other)) = self.contacts.next(self.ended) {
+            reading.other = Some(other);
+            self.place(reading);
         }
-        let before = self.joints.push(state);
-        self.joints_are(before);
+    }
+
+    /// A reading among the joints.
+    fn place(&mut self, reading: Reading) {
+        self.since.push(reading);
+        if !self.joints.waits() {
+            self.joints_are(None);
+        }
     }
 
     /// Joint positions that are the robot's, and the readings after them.
@@ -326,7 +300,6 @@ impl McapSource {
             if let Some(moving) = &mut self.moving {
                 q.iter()
                     .for_each(|(place, q)| moving.position(*place, t, *q));
-                self.take_moving();
             } else {
                 q.iter().for_each(|(place, q)| self.q[*place] = *q);
                 let ended = self.cutter.state(t, &self.q, speed);
@@ -334,56 +307,16 @@ impl McapSource {
             }
         }
         for reading in std::mem::take(&mut self.since) {
-            self.place_now(reading);
-        }
-    }
-
-    /// A CoP, once the other contact is known where there are two.
-    fn reading(&mut self, reading: Reading) {
-        match &mut self.both {
-            Some((_, contacts)) => {
-                contacts.reading(reading.t, reading.force, reading);
-                self.take_both();
+            if let Some(moving) = &mut self.moving {
+                moving.reading(reading.t, reading);
+            } else {
+                let part = self.cutter.reading(reading);
+                self.keep(part);
             }
-            None => self.place(reading),
         }
-    }
-
-    /// Readings of the support for which the other contact is known by now.
-    fn take_both(&mut self) {
-        let ended = self.ended;
-        while let Some((mut reading, other)) =
-            self.both.as_mut().and_then(|(_, all)| all.next(ended))
-        {
-            reading.other = Some(other);
-            self.place(reading);
-        }
-    }
-
-    /// A reading among the joints.
-    fn place(&mut self, reading: Reading) {
-        match self.joints.waits() {
-            true => self.since.push(reading),
-            false => self.place_now(reading),
-        }
-    }
-
-    fn place_now(&mut self, reading: Reading) {
-        if let Some(moving) = &mut self.moving {
-            moving.reading(reading.t, reading);
-            self.take_moving();
-            return;
-        }
-        let part = self.cutter.reading(reading);
-        self.keep(part);
-    }
-
-    /// Rows of a robot that moves, whose joints are known by now.
-    fn take_moving(&mut self) {
-        let Some(moving) = &mut self.moving else {
-            return;
-        };
-        while let Some(Row { q, reading }) = moving.next(self.ended) {
+        // Rows of a robot that moves, whose joints are known by now.
+        let next = |moving: &mut Moving<Reading>| moving.next(self.ended);
+        while let Some((q, reading)) = self.moving.as_mut().and_then(next) {
             self.postures += 1;
             self.ready.push_back(Ready {
                 pose: reading.number as i64,
@@ -395,29 +328,23 @@ impl McapSource {
 
     /// Rows of a posture.
     fn keep(&mut self, posture: Option<Posture<Reading>>) {
-        let Some(posture) = posture else {
+        let Some(mut posture) = posture else {
             return;
         };
         self.postures += 1;
-        let Posture {
-            pose,
-            t,
-            q,
-            mut readings,
-        } = posture;
         if self.survey.topic.is_none() {
-            readings = vec![Reading {
+            posture.readings = vec![Reading {
                 number: self.postures,
-                t,
-                frame: self.frames.get(""),
+                t: posture.t,
+                frame: "".into(),
                 cop: [f64::NAN; 2],
                 force: f64::NAN,
                 other: None,
             }];
         }
-        let q: Arc<[f64]> = q.into();
-        let rows = readings.into_iter().map(|reading| Ready {
-            pose,
+        let q: Arc<[f64]> = posture.q.into();
+        let rows = posture.readings.into_iter().map(|reading| Ready {
+            pose: posture.pose,
             q: q.clone(),
             reading,
         });
@@ -426,7 +353,7 @@ impl McapSource {
 
     /// What to say at the end of the recording.
     fn conclude(&mut self) -> Result<(), String> {
-        let mut said = self.frames_of.said();
+        let mut said = std::mem::take(&mut self.frames.odd);
         said.extend(self.joints.conclude()?);
         if self.postures == 0 {
             return Err(match self.moving {
@@ -434,37 +361,28 @@ impl McapSource {
                     "no reading of the CoP lies between joint states that are at most \
                      {LONGEST_S} s apart"
                 ),
-                None => self.stillness.nothing(),
+                None => self.cutter.stillness.nothing(),
             });
         }
-        let readings = self.readings;
         let mut count = |count: u64, of: u64, what: &str| {
-            if count > 0 {
-                said.push(format!("{count} of {of} {what}"));
-            }
+            said.extend((count > 0).then(|| format!("{count} of {of} {what}")));
         };
         let apart = format!(
             "readings lie between no joint states that are at most {LONGEST_S} s apart, and are \
              left out"
         );
-        let left_out = self.moving.as_ref().map_or(0, |moving| moving.left_out);
-        count(left_out, readings, &apart);
+        let left_out = self.moving.as_ref().map_or(0, Moving::left_out);
+        count(left_out, self.readings, &apart);
         let missing = "joint states name a joint without its position; the joint is where the next \
                        one says";
         count(self.without_positions, self.states, missing);
         let none = "readings are no numbers and are left out";
-        count(self.no_numbers, readings, none);
+        count(self.no_numbers, self.readings, none);
         let light = format!("readings had less than {LEAST_LOAD_N} N on the sole and are left out");
-        count(self.airborne, readings, &light);
-        said.extend(
-            self.both
-                .as_ref()
-                .and_then(|(_, all)| all.left_out(readings)),
-        );
-        let named = said
-            .into_iter()
-            .map(|said| format!("{}: {said}", self.file).into());
-        self.warnings.extend(named);
+        count(self.airborne, self.readings, &light);
+        said.extend(self.contacts.conclude(self.readings));
+        let named = said.iter().map(|said| format!("{}: {said}", self.file));
+        self.warnings.extend(named.map(Message::from));
         Ok(())
     }
 }
@@ -476,25 +394,20 @@ impl RowSource for McapSource {
 
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error> {
         for _ in 0..count {
-            let Some(row) = self.next_row()? else {
+            let Some(Ready { pose, q, reading }) = self.next_row()? else {
                 break;
             };
-            raw.line.push(row.reading.number);
-            if columns.pose.is_some() {
-                raw.pose.push(row.pose);
-            }
-            if columns.support.is_some() {
-                raw.support.push(row.reading.frame.clone());
-            }
-            raw.other.extend(row.reading.other);
-            let first = self.header.len() - row.q.len();
+            raw.line.push(reading.number);
+            raw.pose.extend(columns.pose.map(|_| pose));
+            raw.support
+                .extend(columns.support.map(|_| reading.frame.clone()));
+            raw.other.extend(reading.other);
+            let first = self.header.len() - q.len();
             raw.numbers.extend(columns.numbers.iter().map(|&k| match k {
-                T_PLACE => row.reading.t,
-                _ if k >= first => row.q[k - first],
-                FORCE_PLACE => {
-                    row.reading.force / (1.0 - row.reading.other.map_or(0.0, |o| o.share))
-                }
-                _ => row.reading.cop[usize::from(k == FORCE_PLACE - 1)],
+                T_PLACE => reading.t,
+                _ if k >= first => q[k - first],
+                FORCE_PLACE => reading.force / (1.0 - reading.other.map_or(0.0, |o| o.share)),
+                _ => reading.cop[usize::from(k == FORCE_PLACE - 1)],
             }));
         }
         Ok(())
@@ -515,11 +428,11 @@ impl RowSource for McapSource {
     }
 
     fn both(&self) -> Option<[String; 2]> {
-        self.both.as_ref().map(|(pair, _)| pair.links.clone())
+        Some(self.survey.pair.as_ref()?.links.clone())
     }
 
     fn progress(&self) -> (u64, Option<u64>) {
-        self.meter.progress()
+        self.records.input.progress()
     }
 
     fn warnings(&mut self) -> Vec<Message> {
@@ -527,8 +440,16 @@ impl RowSource for McapSource {
     }
 
     fn hash(&self) -> u64 {
-        self.meter.hash()
+        self.records.input.hash()
     }
+}
+
+/// Which stretches are postures.
+fn limits_of(stays: Stays) -> StillnessLimits {
+    StillnessLimits::lasting(match stays {
+        Stays::Alone(duration) => duration,
+        _ => 0.3,
+    })
 }
 
 /// CoP of a wrench in the support frame; nothing if nothing stands on it.

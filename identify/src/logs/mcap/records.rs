@@ -17,7 +17,7 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, McapResult, parse_record};
 
 use super::cdr::Header;
-use super::{OWN_POSTURES, POINT, STATE, WRENCH};
+use super::{POINT, STATE, WRENCH};
 use crate::logs::names::short;
 
 /// Larger records are refused, bytes. Recorders write chunks of about 1 MiB,
@@ -36,8 +36,6 @@ pub(super) struct Channel {
     pub schema: String,
     /// How its messages are written, such as `cdr`.
     pub encoding: String,
-    /// Whether each message is a posture of its own, or its reading.
-    pub own_postures: bool,
 }
 
 /// A message.
@@ -74,7 +72,7 @@ impl Message<'_> {
 
 /// The records of a file.
 pub(super) struct Records<R> {
-    input: R,
+    pub input: R,
     reader: LinearReader,
     schemas: HashMap<u16, String>,
     channels: HashMap<u16, Arc<Channel>>,
@@ -151,13 +149,10 @@ impl<R: Read> Records<R> {
                     for name in [&channel.topic, &channel.message_encoding, &schema] {
                         keep(&mut self.names, name)?;
                     }
-                    let [key, value] = OWN_POSTURES;
-                    let own_postures = channel.metadata.get(key).is_some_and(|own| own == value);
                     let own = Channel {
                         topic: channel.topic,
                         schema,
                         encoding: channel.message_encoding,
-                        own_postures,
                     };
                     self.channels.insert(channel.id, Arc::new(own));
                 }

@@ -6,27 +6,35 @@ use std::io::Read;
 use sesc_model::tree::Dof;
 use sesc_model::urdf::suggestion;
 
-use super::cdr::JointState;
+use super::cdr::{self, JointState};
+use super::contacts::{Pair, Wrenches};
 use super::records::{Channel, Records};
 use super::{FIRST, STATE, WRENCH};
 use crate::logs::names::{list, short};
+use crate::logs::settings::{Options, Readings};
 
 /// The topic of a robot's joints by convention, which goes before others.
 const JOINTS_TOPIC: &str = "/joint_states";
+
+/// Topics that have positions of the robot's joints, and which joints.
+type JointTopics = BTreeMap<String, BTreeSet<String>>;
 
 /// What a recording has of what is wanted.
 #[derive(Clone)]
 pub(super) struct Survey {
     /// The robot's joints that were seen; all joints if one is missing.
     pub joints: Vec<String>,
-    /// Topics of their positions.
+    /// Topics of their positions; none of a recording without the robot's joints, of which it is
+    /// told what is missing.
     pub joint_topics: JointTopics,
     /// Topic of the CoP, if it is wanted.
     pub topic: Option<String>,
-    /// Whether the recording says that this is the topic.
-    pub said: bool,
+    /// Whether others beside it are passed over.
+    pub chosen: bool,
     /// Whether that topic is of wrenches.
     pub is_wrench: bool,
+    /// The two contacts of a recording of both feet.
+    pub pair: Option<Pair>,
 }
 
 impl Survey {
@@ -34,16 +42,18 @@ impl Survey {
     pub fn of<R: Read>(
         mut records: Records<R>,
         dofs: &[Dof],
-        (topic, joints_topic): (Option<&str>, Option<&str>),
-        wanted: bool,
+        [topic, joints_topic]: [Option<&str>; 2],
+        options: &Options,
     ) -> Result<Survey, String> {
+        let wanted = options.readings != Readings::Ignored;
+        let is_one_foot = options.both_feet == Some(false) || options.soles.is_none();
+        let mut wrenches = Wrenches::new(wanted && topic.is_none() && !is_one_foot);
         let own: HashSet<&str> = dofs.iter().map(|dof| dof.joint.trim()).collect();
         let mut missing = own.clone();
         let mut joint_topics = JointTopics::default();
-        let (mut seen, mut found, mut said) = (HashSet::new(), None, false);
-        let mut is_wrench = false;
+        let (mut seen, mut found, mut is_wrench) = (HashSet::new(), None, false);
         let mut beyond = 0;
-        while beyond < 500 {
+        while beyond < 500 || wrenches.undecided() {
             let Some(message) = records.next()? else {
                 break;
             };
@@ -55,13 +65,19 @@ impl Survey {
             } = &*message.channel;
             if schema != STATE {
                 if found.is_none() && topic.is_none_or(|topic| topic == on) {
-                    (found, said) = (Some(on.clone()), message.channel.own_postures);
+                    found = Some(on.clone());
                     is_wrench = schema == WRENCH;
                 }
-            } else if joints_topic.is_none_or(|topic| topic == on) {
-                let of = joint_topics.0.entry(on.clone()).or_default();
+                if schema != WRENCH {
+                    wrenches.point();
+                } else if wrenches.undecided() {
+                    let (_, frame, [force, _]) = message.decoded(cdr::wrench)?;
+                    wrenches.see(on, &frame, force);
+                }
+            } else if beyond < 500 && joints_topic.is_none_or(|topic| topic == on) {
+                let of = joint_topics.entry(on.clone()).or_default();
                 let (_, _, state) = message.decoded(JointState::decode)?;
-                for name in state.name.iter().map(|name| name.trim()) {
+                for name in state.joints.iter().map(|(name, ..)| name.trim()) {
                     missing.remove(name);
                     if own.contains(name) {
                         of.insert(name.to_string());
@@ -83,7 +99,7 @@ impl Survey {
             let on = joints_topic.map_or(String::new(), |topic| format!(" on topic `{topic}`"));
             return Err(format!("no {STATE}{on}; the topics are {}", all()));
         }
-        joint_topics.choose()?;
+        let joint_topics = chosen(joint_topics)?;
         if let (true, Some(topic), None) = (wanted, topic, &found) {
             let topics = records.channels().map(|channel| channel.topic.as_str());
             let meant = suggestion(topic, topics.filter(|other| *other != topic));
@@ -99,50 +115,39 @@ impl Survey {
             joints.retain(|name| !FIRST.contains(&name.as_str()));
             joints.sort();
         }
+        let pair = wrenches.pair(dofs.len(), options);
+        let support = pair.as_ref().map(|pair| pair.topics[0].clone());
         Ok(Survey {
             joints,
             joint_topics,
-            topic: found.filter(|_| wanted),
-            said,
+            topic: support.or(found).filter(|_| wanted),
+            chosen: topic.is_some() || pair.is_some(),
             is_wrench,
+            pair,
         })
     }
 }
 
-/// The topics of a recording that have positions of the robot's joints, and which joints.
-#[derive(Debug, Clone, Default)]
-pub(super) struct JointTopics(BTreeMap<String, BTreeSet<String>>);
-
-impl JointTopics {
-    /// Leave those of which the positions are taken: [`JOINTS_TOPIC`] before others that have
-    /// the same joints; topics of different joints together.
-    fn choose(&mut self) -> Result<(), String> {
-        self.0.retain(|_, joints| !joints.is_empty());
-        if let Some(first) = self.0.get(JOINTS_TOPIC).cloned() {
-            let apart = |joints: &BTreeSet<String>| first.is_disjoint(joints);
-            self.0
-                .retain(|topic, joints| topic == JOINTS_TOPIC || apart(joints));
-        }
-        let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
-        for (topic, joints) in &self.0 {
-            for joint in joints {
-                if let Some(other) = owners.insert(joint, topic) {
-                    return Err(format!(
-                        "positions of joint `{}` are on `{}` and on `{}`; choose one by \
-                         `joints_topic = \"…\"` in the sidecar",
-                        short(joint),
-                        short(other),
-                        short(topic)
-                    ));
-                }
+/// The topics of which the positions are taken, and their joints: [`JOINTS_TOPIC`] before others
+/// that have the same joints; topics of different joints together.
+fn chosen(mut topics: JointTopics) -> Result<JointTopics, String> {
+    topics.retain(|_, joints| !joints.is_empty());
+    if let Some(first) = topics.get(JOINTS_TOPIC).cloned() {
+        topics.retain(|topic, joints| topic == JOINTS_TOPIC || first.is_disjoint(joints));
+    }
+    let mut owners: BTreeMap<&str, &str> = BTreeMap::new();
+    for (topic, joints) in &topics {
+        for joint in joints {
+            if let Some(other) = owners.insert(joint, topic) {
+                return Err(format!(
+                    "positions of joint `{}` are on `{}` and on `{}`; choose one by \
+                     `joints_topic = \"…\"` in the sidecar",
+                    short(joint),
+                    short(other),
+                    short(topic)
+                ));
             }
         }
-        Ok(())
     }
-
-    /// Whether positions on a topic are taken.
-    pub fn takes(&self, topic: &str) -> bool {
-        // Of a recording without the robot's joints it is told what is missing.
-        self.0.is_empty() || self.0.contains_key(topic)
-    }
+    Ok(topics)
 }

@@ -22,7 +22,7 @@ use self::limits::{ENCRYPTED, Input};
 pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
 use super::input::{Metered, Place};
-use super::source::{Interner, Raw, RowSource, catch_panic, whole};
+use super::source::{Raw, RowSource, catch_panic, repeated, whole};
 use crate::{Error, Setting, message};
 
 /// A Parquet file being read.
@@ -44,7 +44,6 @@ pub(super) struct ParquetSource {
     hash: Option<u64>,
     /// Rows were passed over: nobody asks for the hash.
     passed: bool,
-    links: Interner,
 }
 
 impl ParquetSource {
@@ -91,7 +90,6 @@ impl ParquetSource {
             total,
             hash: None,
             passed: false,
-            links: Interner::default(),
         })
     }
 
@@ -128,24 +126,24 @@ impl ParquetSource {
 
     /// Check once that every wanted column holds what it should.
     fn check_types(&self, columns: &Columns) -> Result<(), Error> {
-        let named = columns.numbers.iter().copied().zip(&columns.names);
-        for (k, name) in named {
-            if !is_number(&self.column(k)) {
-                return Err(self.bad(format!(
-                    "column `{name}` holds no plain numbers; store float64, float32, integers or timestamps"
-                )));
+        let numbers = columns.numbers.iter().zip(&columns.names);
+        let bad =
+            |name: &str, what: &str| Err(self.bad(format!("column `{name}` holds no {what}")));
+        for (k, name) in numbers {
+            if !is_number(&self.column(*k)) {
+                let what = "plain numbers; store float64, float32, integers or timestamps";
+                return bad(name, what);
             }
         }
         if columns.pose.is_some_and(|k| !is_number(&self.column(k))) {
-            return Err(self.bad(format!("column `{POSE}` holds no whole numbers")));
+            return bad(POSE, "whole numbers");
         }
-        if columns.support.is_some_and(|k| {
-            let column = self.column(k);
-            !is_flat(&column) || column.physical_type() != Physical::BYTE_ARRAY
-        }) {
-            return Err(self.bad(format!("column `{SUPPORT}` holds no text")));
+        let is_text =
+            |own: ColumnDescPtr| is_flat(&own) && own.physical_type() == Physical::BYTE_ARRAY;
+        match columns.support.is_none_or(|k| is_text(self.column(k))) {
+            true => Ok(()),
+            false => bad(SUPPORT, "text"),
         }
-        Ok(())
     }
 
     fn column(&self, k: usize) -> ColumnDescPtr {
@@ -166,7 +164,8 @@ impl ParquetSource {
                 self.complete(texts.len(), n)?;
                 for text in &texts {
                     let text = text.as_utf8().map_err(|e| self.broken(&e))?;
-                    raw.support.push(self.links.get(text.trim()));
+                    let link = repeated(raw.support.last(), text.trim());
+                    raw.support.push(link);
                 }
                 continue;
             }

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
-use parquet::column::writer::ColumnWriter;
-use parquet::data_type::ByteArray;
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
@@ -18,9 +17,9 @@ use crate::logs::columns::{Field, POSE, Row, SUPPORT, Written, fields};
 /// A Parquet file being written, a group of rows at a time.
 pub(in crate::logs) struct ParquetSink {
     path: PathBuf,
-    rows: usize,
     /// Those of the group, column by column.
     group: Vec<Values>,
+    rows: usize,
     writer: SerializedFileWriter<NewFile>,
 }
 
@@ -35,25 +34,26 @@ impl ParquetSink {
     /// others numbers.
     pub fn create(path: &Path, names: &[String]) -> Result<ParquetSink, Error> {
         let failed = |error| unwritten(path, error);
-        let (mut group, mut schema) = (Vec::new(), Vec::new());
-        for name in names {
-            let (values, physical) = match name.as_str() {
-                POSE => (Values::Whole(Vec::new()), Physical::INT64),
-                SUPPORT => (Values::Text(Vec::new()), Physical::BYTE_ARRAY),
-                _ => (Values::Number(Vec::new()), Physical::DOUBLE),
+        let group = names.iter().map(|name| match name.as_str() {
+            POSE => Values::Whole(Vec::new()),
+            SUPPORT => Values::Text(Vec::new()),
+            _ => Values::Number(Vec::new()),
+        });
+        let group: Vec<Values> = group.collect();
+        let fields = names.iter().zip(&group).map(|(name, values)| {
+            let (physical, logical) = match values {
+                Values::Whole(_) => (Physical::INT64, None),
+                Values::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+                Values::Number(_) => (Physical::DOUBLE, None),
             };
-            let text = (name == SUPPORT).then_some(LogicalType::String);
             let field = Type::primitive_type_builder(name, physical)
                 .with_repetition(Repetition::REQUIRED)
-                .with_logical_type(text)
-                .build();
-            schema.push(Arc::new(field.map_err(failed)?));
-            group.push(values);
-        }
-        let schema = Type::group_type_builder("postures")
-            .with_fields(schema)
-            .build()
-            .map_err(failed)?;
+                .with_logical_type(logical);
+            field.build().map(Arc::new)
+        });
+        let fields = fields.collect::<Result<_, _>>().map_err(failed)?;
+        let schema = Type::group_type_builder("postures").with_fields(fields);
+        let schema = schema.build().map_err(failed)?;
         let properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             .set_dictionary_enabled(false)
@@ -62,8 +62,8 @@ impl ParquetSink {
         let writer = SerializedFileWriter::new(file, Arc::new(schema), properties.into());
         Ok(ParquetSink {
             path: path.to_path_buf(),
-            rows: 0,
             group,
+            rows: 0,
             writer: writer.map_err(failed)?,
         })
     }
@@ -88,32 +88,31 @@ impl ParquetSink {
 
     fn flush(&mut self) -> Result<(), Error> {
         self.rows = 0;
-        let written = self.write_group();
-        written.map_err(|error| unwritten(&self.path, error))
-    }
-
-    fn write_group(&mut self) -> Result<(), ParquetError> {
-        let mut group = self.writer.next_row_group()?;
-        for values in &mut self.group {
-            let Some(mut column) = group.next_column()? else {
-                break;
-            };
-            match (column.untyped(), values) {
-                (ColumnWriter::Int64ColumnWriter(to), Values::Whole(all)) => {
-                    to.write_batch(&std::mem::take(all), None, None)?;
-                }
-                (ColumnWriter::ByteArrayColumnWriter(to), Values::Text(all)) => {
-                    to.write_batch(&std::mem::take(all), None, None)?;
-                }
-                (ColumnWriter::DoubleColumnWriter(to), Values::Number(all)) => {
-                    to.write_batch(&std::mem::take(all), None, None)?;
-                }
-                _ => {}
+        let mut write = || -> Result<(), ParquetError> {
+            let mut group = self.writer.next_row_group()?;
+            for values in &mut self.group {
+                let Some(mut column) = group.next_column()? else {
+                    break;
+                };
+                match values {
+                    Values::Whole(all) => {
+                        let to = column.typed::<Int64Type>();
+                        to.write_batch(&std::mem::take(all), None, None)?
+                    }
+                    Values::Text(all) => {
+                        let to = column.typed::<ByteArrayType>();
+                        to.write_batch(&std::mem::take(all), None, None)?
+                    }
+                    Values::Number(all) => {
+                        let to = column.typed::<DoubleType>();
+                        to.write_batch(&std::mem::take(all), None, None)?
+                    }
+                };
+                column.close()?;
             }
-            column.close()?;
-        }
-        group.close()?;
-        Ok(())
+            group.close().map(drop)
+        };
+        write().map_err(|error| unwritten(&self.path, error))
     }
 
     /// Write what is left; the file is yet to be moved to its place.

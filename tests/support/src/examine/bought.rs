@@ -1,6 +1,7 @@
 //! Robots as they are bought: every link is off CAD by 10 % of its mass and 5 mm, an effect is
 //! hidden, and a log of the healthy robot may be there.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -9,7 +10,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::{self, Diagnosis, Request, Verdict};
 use sesc_identify::evaluate::Evaluator;
-use sesc_identify::robot::Robot;
+use sesc_identify::logs::{Options, PostureReader};
+use sesc_identify::predict;
+use sesc_identify::robot::{Robot, Stance};
 use sesc_model::{Function, Model, ModelFile, Snapping};
 use sesc_reference::{Robot as TrueRobot, World};
 
@@ -18,7 +21,7 @@ use crate::hidden::hide_all;
 use crate::judge::{Answer, truth};
 use crate::log::{Log, Style};
 use crate::poses::Poses;
-use crate::stage::Postures;
+use crate::stage::{Postures, Stage};
 use crate::trial::Trial;
 
 /// Postures of the healthy log, of the one with the fault, and of those that judge.
@@ -103,10 +106,47 @@ pub fn examine(trial: &Trial, healthy: bool, folder: &Path) -> Result<Found, Fai
         Ok((gaps.sum::<f64>() / JUDGED as f64).sqrt())
     };
     let ratio = error(Some(&file))? / error(None)?;
-    judged(trial, &report.diagnosis, ratio)
+    let agrees = predicts(&report.diagnosis, file, stage, &log)?;
+    judged(trial, &report.diagnosis, (ratio, agrees))
 }
 
-fn judged(trial: &Trial, found: &Diagnosis, ratio: f64) -> Result<Found, Failure> {
+/// Whether `predict` with the written model leaves of its own log what the diagnosis states, to
+/// 1 %; of a log with postures that the diagnosis leaves out, whether it says so itself.
+fn predicts(
+    found: &Diagnosis,
+    file: ModelFile,
+    stage: &Stage,
+    log: &Path,
+) -> Result<bool, Failure> {
+    let stated = &found.model_on_log;
+    if stated.left_out > 0 {
+        return Ok(stated.agrees);
+    }
+    let stance = Stance::new(Robot::read(&stage.urdf)?).on(stage.support);
+    let dofs = stance.model()?.tree.dofs.clone();
+    let request = predict::Request::new(stance.with_parameters(file)?, log);
+    let predicted = predict::predict(&request, &mut ())?.cop_m;
+    let block = PostureReader::open(log, &dofs, &Options::default())?.block(usize::MAX / 2)?;
+    let read = block.reading.unwrap_or_default();
+    let mut sums: BTreeMap<i64, ([f64; 2], f64)> = BTreeMap::new();
+    for ((pose, y), p) in block.pose.iter().zip(&read).zip(&predicted) {
+        let (sum, rows) = sums.entry(*pose).or_default();
+        *sum = [0, 1].map(|axis| sum[axis] + y[axis] - p[axis]);
+        *rows += 1.0;
+    }
+    let squares = sums
+        .values()
+        .flat_map(|(sum, rows)| sum.map(|sum| (sum / rows).powi(2)));
+    let rms = (squares.sum::<f64>() / (2 * sums.len()) as f64).sqrt();
+    let least = stated.stated_rmse.max(found.noise_floor);
+    Ok((rms - stated.stated_rmse).abs() <= 0.01 * least)
+}
+
+fn judged(
+    trial: &Trial,
+    found: &Diagnosis,
+    (ratio, agrees): (f64, bool),
+) -> Result<Found, Failure> {
     let mut answer = Answer::read(&serde_json::to_value(found)?)?;
     let said = format!("{}: {:?}", answer.verdict, found.indistinguishable);
     let hidden = truth(&trial.hidden);
@@ -128,7 +168,7 @@ fn judged(trial: &Trial, found: &Diagnosis, ratio: f64) -> Result<Found, Failure
         listed,
         beside,
         wrong: names && !listed && !beside,
-        agrees: found.model_on_log.agrees,
+        agrees,
         ratio,
     })
 }

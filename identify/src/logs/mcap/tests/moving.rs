@@ -6,7 +6,6 @@ use std::sync::Arc;
 use sesc_model::Snapping;
 use sesc_reference::{Robot as Twin, Track, World};
 
-use super::super::write::in_plane;
 use super::*;
 use crate::diagnose::{Verdict, diagnose};
 use crate::fit::{self, fit};

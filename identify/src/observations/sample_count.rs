@@ -8,7 +8,7 @@ use super::repeats::Repeats;
 /// How much logs are worth.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Samples {
+pub struct SampleCount {
     /// Rows of the logs.
     pub rows: usize,
     /// Independent rows on the worse axis.
@@ -19,11 +19,11 @@ pub struct Samples {
     pub assumed: bool,
 }
 
-impl Samples {
+impl SampleCount {
     /// Rows that visits make worth fewer, where their times do not say so.
-    pub fn by_visits(self, repeats: &Repeats) -> Samples {
+    pub fn by_visits(self, repeats: &Repeats) -> SampleCount {
         match repeats.rows_per_sample() {
-            Some(rows) if self.independent == self.rows => Samples {
+            Some(rows) if self.independent == self.rows => SampleCount {
                 independent: ((self.rows as f64 / rows).round() as usize).max(1),
                 ..self
             },
@@ -89,10 +89,10 @@ impl Sum {
     }
 
     /// What is said of `rows` rows.
-    pub fn of(&self, rows: u64) -> Samples {
+    pub fn of(&self, rows: u64) -> SampleCount {
         // Rows whose log was never summed up count one each.
         let counted = self.independent + (rows - self.rows.min(rows)) as f64;
-        Samples {
+        SampleCount {
             rows: rows as usize,
             independent: (counted.round() as usize).max(1),
             correlation_s: self.correlation_s,
