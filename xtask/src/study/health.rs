@@ -459,7 +459,9 @@ const RATES: [f64; 4] = [10.0, 20.0, 50.0, 100.0];
 impl Sheet {
     /// The log of a trial of the study of hidden effects.
     fn of_trial(trial: &Trial, folder: &Path) -> Result<Sheet, Failure> {
-        let path = trial.log.write(folder, "standing");
+        // Cases are asked side by side.
+        let own = tempfile::tempdir_in(folder)?;
+        let path = trial.log.write(own.path(), "standing");
         let text = std::fs::read_to_string(path)?;
         let mut lines = text.lines().map(|line| line.split(','));
         let header = lines.next().ok_or("no header")?;
