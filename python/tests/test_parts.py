@@ -14,10 +14,10 @@ import pytest
 import sesc
 
 
-def test_a_part_of_the_op2_is_80_kb_and_its_urdf(op2: sesc.Robot, model: sesc.Model) -> None:
+def test_a_part_of_the_op2_is_100_kb_and_its_urdf(op2: sesc.Robot, model: sesc.Model) -> None:
     for postures in (100, 5000):
         part = sesc.gather(op2, sesc.simulate(model, postures, range=0.5, noise=1e-4))
-        assert len(bytes(part)) <= 80_000 + len(op2.urdf)
+        assert len(bytes(part)) <= 100_000 + len(op2.urdf)
         assert sesc.Part.from_bytes(bytes(part)) == part
 
 
@@ -26,7 +26,7 @@ def test_parts_of_deviations_of_their_own_keep_both_sums(op2: sesc.Robot, model:
     columns = dict(log.columns() or {})
     columns["cop_x_std"] = columns["cop_x_std"] * np.linspace(0.5, 2.0, 100)
     part = sesc.gather(op2, sesc.Log(columns, support="r_sole"))
-    assert 160_000 < len(bytes(part)) <= 160_000 + len(op2.urdf)
+    assert 160_000 < len(bytes(part)) <= 200_000 + len(op2.urdf)
     # One deviation first, then many: the same rows as all at once.
     more = sesc.gather(op2, sesc.simulate(model, 100, range=0.5, noise=1e-4, seed=2))
     np.testing.assert_allclose(sesc.fit(more | part).params, sesc.fit(part | more).params, atol=1e-12)

@@ -91,8 +91,10 @@ pub(super) fn elsewhere(view: &View) -> Option<Finding> {
     let scored = faults.map(|fault| (view.chi2(&fault.cop), fault));
     let (left, fault) = scored.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let few = view.few();
+    // The sensor's offset and gain are free beside the fault, too.
+    let beside_sensor = left_of(view, by_sensor(view), &fault.cop);
     let unlikely = view.chi2(&view.cad) > limit(CAD, left, 1.0)
-        && no_wiring_leaves(&few, by_sensor(&few), limit(WIRING, left, 1.0));
+        && no_wiring_leaves(&few, by_sensor(&few), limit(WIRING, beside_sensor, 1.0));
     unlikely.then(|| fault.finding(view, format!("{:.0}", 1e3 * here)))
 }
 
@@ -261,12 +263,14 @@ pub(super) fn turned(view: &View) -> Option<Finding> {
 /// Whether every wiring leaves more than this of the readings, where `left` of an axis, m RMS, is
 /// what is left beside a CoP.
 pub(super) fn no_wiring_leaves(view: &View, left: impl Fn(usize, &Cop) -> f64, limit: f64) -> bool {
+    view.wired()
+        .all(|(_, com)| left_of(view, &left, &[0, 1].map(|k| column(&com, 3, k))) > limit)
+}
+
+/// What is left beside a CoP, in variances of the noise, where `left` of an axis is, m RMS.
+fn left_of(view: &View, left: impl Fn(usize, &Cop) -> f64, cop: &Cop) -> f64 {
     let noise = rms(view.std.iter().flatten().copied());
-    view.wired().all(|(_, com)| {
-        let cop = [0, 1].map(|k| column(&com, 3, k));
-        let left = rms([0, 1].into_iter().map(|k| left(k, &cop)));
-        (left / noise).powi(2) > limit
-    })
+    (rms([0, 1].into_iter().map(|k| left(k, cop))) / noise).powi(2)
 }
 
 /// What one axis has left beside any offset, gain, rotation and exchange of the sensor's axes.
