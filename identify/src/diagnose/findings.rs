@@ -226,8 +226,8 @@ pub struct ModelOnLog {
     pub stated_rmse: f64,
     /// Gap to what the file predicts, m.
     pub predicted_rmse: f64,
-    /// Postures left out of both, where only the log knows the side of a loose joint.
-    pub left_out: usize,
+    /// Poses left out of both: outliers, and where only the log knows the side of a loose joint.
+    pub left_out: Vec<i64>,
     /// Whether the two agree to 1 %.
     pub agrees: bool,
 }

@@ -103,14 +103,21 @@ pub(super) fn on_log(problem: &Problem, best: &Fit, file: &ModelFile) -> Result<
         let off = |row: usize| (predicted[row] - stated[row]).abs() * first.weight[row];
         apart[k] |= off(2 * k).max(off(2 * k + 1)) > OTHER_SIDE;
     }
-    let left_out = apart.iter().filter(|apart| **apart).count() - before;
+    let left_out: Vec<i64> = first
+        .data
+        .pose
+        .iter()
+        .zip(&apart)
+        .filter(|(_, apart)| **apart)
+        .map(|(pose, _)| *pose)
+        .collect();
     let error = |errors: &[f64]| {
         let rows = (0..errors.len()).filter(|row| !apart[row / 2]);
         rms(rows.map(|row| errors[row]))
     };
     let (stated_rmse, predicted_rmse) = (error(&stated), error(&predicted));
     let slack = FILE_AGREES * stated_rmse.max(first.data.noise_floor);
-    let few = (left_out as f64) <= LARGEST_OUTLIER_SHARE * apart.len() as f64;
+    let few = ((left_out.len() - before) as f64) <= LARGEST_OUTLIER_SHARE * apart.len() as f64;
     Ok(ModelOnLog {
         stated_rmse,
         predicted_rmse,

@@ -1,7 +1,6 @@
 //! Robots as they are bought: every link is off CAD by 10 % of its mass and 5 mm, an effect is
 //! hidden, and a log of the healthy robot may be there.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -10,18 +9,16 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::{self, Diagnosis, Request, Verdict};
 use sesc_identify::evaluate::Evaluator;
-use sesc_identify::logs::{Options, PostureReader};
-use sesc_identify::predict;
-use sesc_identify::robot::{Robot, Stance};
+use sesc_identify::robot::Robot;
 use sesc_model::{Function, Model, ModelFile, Snapping};
 use sesc_reference::{Robot as TrueRobot, World};
 
-use super::Failure;
+use super::{Failure, left_by_file};
 use crate::hidden::hide_all;
 use crate::judge::{Answer, truth};
 use crate::log::{Log, Style};
 use crate::poses::Poses;
-use crate::stage::{Postures, Stage};
+use crate::stage::Postures;
 use crate::trial::Trial;
 
 /// Postures of the healthy log, of the one with the fault, and of those that judge.
@@ -106,40 +103,11 @@ pub fn examine(trial: &Trial, healthy: bool, folder: &Path) -> Result<Found, Fai
         Ok((gaps.sum::<f64>() / JUDGED as f64).sqrt())
     };
     let ratio = error(Some(&file))? / error(None)?;
-    let agrees = predicts(&report.diagnosis, file, stage, &log)?;
+    let left = left_by_file(&report, &robot, stage.support, &log.as_path().into())?;
+    let on_log = &report.diagnosis.model_on_log;
+    let least = on_log.stated_rmse.max(report.diagnosis.noise_floor);
+    let agrees = (left - on_log.stated_rmse).abs() <= 0.01 * least;
     judged(trial, &report.diagnosis, (ratio, agrees))
-}
-
-/// Whether `predict` with the written model leaves of its own log what the diagnosis states, to
-/// 1 %; of a log with postures that the diagnosis leaves out, whether it says so itself.
-fn predicts(
-    found: &Diagnosis,
-    file: ModelFile,
-    stage: &Stage,
-    log: &Path,
-) -> Result<bool, Failure> {
-    let stated = &found.model_on_log;
-    if stated.left_out > 0 {
-        return Ok(stated.agrees);
-    }
-    let stance = Stance::new(Robot::read(&stage.urdf)?).on(stage.support);
-    let dofs = stance.model()?.tree.dofs.clone();
-    let request = predict::Request::new(stance.with_parameters(file)?, log);
-    let predicted = predict::predict(&request, &mut ())?.cop_m;
-    let block = PostureReader::open(log, &dofs, &Options::default())?.block(usize::MAX / 2)?;
-    let read = block.reading.unwrap_or_default();
-    let mut sums: BTreeMap<i64, ([f64; 2], f64)> = BTreeMap::new();
-    for ((pose, y), p) in block.pose.iter().zip(&read).zip(&predicted) {
-        let (sum, rows) = sums.entry(*pose).or_default();
-        *sum = [0, 1].map(|axis| sum[axis] + y[axis] - p[axis]);
-        *rows += 1.0;
-    }
-    let squares = sums
-        .values()
-        .flat_map(|(sum, rows)| sum.map(|sum| (sum / rows).powi(2)));
-    let rms = (squares.sum::<f64>() / (2 * sums.len()) as f64).sqrt();
-    let least = stated.stated_rmse.max(found.noise_floor);
-    Ok((rms - stated.stated_rmse).abs() <= 0.01 * least)
 }
 
 fn judged(

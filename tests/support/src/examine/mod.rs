@@ -4,12 +4,15 @@ pub mod bought;
 pub mod com;
 pub mod recordings;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use sesc_identify::diagnose::{self, Diagnosis};
+use sesc_identify::diagnose::{self, Diagnosis, Report};
 use sesc_identify::fit::{self, Identification};
-use sesc_identify::logs::{LogSource, Table};
-use sesc_identify::robot::Robot;
+use sesc_identify::logs::{LogSource, Options, PostureReader, Table};
+use sesc_identify::predict;
+use sesc_identify::robot::{Robot, Stance};
+use sesc_model::ModelFile;
 
 use crate::recording::Recording;
 use crate::stage::Stage;
@@ -80,4 +83,37 @@ pub fn intervals(found: &Identification, truth: &[f64]) -> (usize, usize) {
         .filter_map(|(p, truth)| Some((p.value - truth).abs() <= OF_95 * p.std?))
         .collect();
     (holds.iter().filter(|holds| **holds).count(), holds.len())
+}
+
+/// Gap that `predict` with the written model leaves of the log that it came from, m RMS, without
+/// the postures that the diagnosis leaves out.
+///
+/// # Errors
+/// Of the file or the log.
+pub fn left_by_file(
+    report: &Report,
+    robot: &Arc<Robot>,
+    support: &str,
+    log: &LogSource,
+) -> Result<f64, Failure> {
+    let file = ModelFile::parse(&toml::to_string(&report.model_file)?, "model.toml")?;
+    let stance = Stance::new(Arc::clone(robot)).on(support);
+    let dofs = stance.model()?.tree.dofs.clone();
+    let request = predict::Request::new(stance.with_parameters(file)?, log.clone());
+    let predicted = predict::predict(&request, &mut ())?.cop_m;
+    let block = PostureReader::open(log, &dofs, &Options::default())?.block(usize::MAX / 2)?;
+    let read = block.reading.unwrap_or_default();
+    let mut sums: BTreeMap<i64, ([f64; 2], f64)> = BTreeMap::new();
+    for ((pose, y), p) in block.pose.iter().zip(&read).zip(&predicted) {
+        let (sum, rows) = sums.entry(*pose).or_default();
+        *sum = [0, 1].map(|axis| sum[axis] + y[axis] - p[axis]);
+        *rows += 1.0;
+    }
+    for pose in &report.diagnosis.model_on_log.left_out {
+        sums.remove(pose);
+    }
+    let squares = sums
+        .values()
+        .flat_map(|(sum, rows)| sum.map(|sum| (sum / rows).powi(2)));
+    Ok((squares.sum::<f64>() / (2 * sums.len()) as f64).sqrt())
 }
