@@ -89,9 +89,10 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                 the class; beside: it is in the answer with something that is not there; wrong: \
                 something else is named and masses are not of the class; absorbed: the rest. Silent: \
                 nothing but masses is named of a sound robot. File: `predict` with the \
-                written model leaves of its own log what the diagnosis states, to 1 %; postures at which \
-                only the log knows on which side of its dead band a joint rests are among them. CoM: error of the written model over CAD's on 200 new \
-                postures, median.",
+                written model leaves of its own log what the diagnosis states, to 1 %, without the postures that \
+                the diagnosis lists as left out (outliers, and where only the log knows on which side \
+                of its dead band a joint rests). CoM: error of the written model over \
+                CAD's on 200 new postures, median.",
         columns: &[
             "alone", "listed", "beside", "wrong", "absorbed", "silent", "file", "CoM",
         ],
