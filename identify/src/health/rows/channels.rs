@@ -16,6 +16,8 @@
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
+use sesc_model::Model;
+
 use super::LogRows;
 use super::screen::{End, LeftOut, key, reading_of};
 use crate::Error;
@@ -49,8 +51,13 @@ impl LogRows {
     }
 }
 
-/// Channels of the CoP, or of the cells, that are clipped or quantised.
-pub(super) fn saturated(rows: &LogRows, left_out: &mut LeftOut) -> Vec<Finding> {
+/// Channels of the CoP, or of the cells, that are clipped or quantised; `model` says what free
+/// masses leave of a channel whose noise nobody states.
+pub(super) fn saturated(
+    rows: &LogRows,
+    model: Option<&Model>,
+    left_out: &mut LeftOut,
+) -> Vec<Finding> {
     let mut found = Vec::new();
     let kept = rows.kept(left_out);
     let of_cells = rows.cells > 0;
@@ -102,7 +109,7 @@ pub(super) fn saturated(rows: &LogRows, left_out: &mut LeftOut) -> Vec<Finding> 
             };
             say(sentence, Some(sign * at));
         }
-        let step = (!of_cells).then(|| coarse_step(rows, &kept, channel, &values));
+        let step = (!of_cells).then(|| coarse_step(rows, model, (&kept, channel, &values)));
         if let Some(step) = step.flatten() {
             let std = step / f64::sqrt(12.0);
             left_out.steps[channel] = std;
@@ -150,23 +157,26 @@ fn step(values: &[f64]) -> Option<f64> {
 }
 
 /// The step of a channel of the CoP that is coarse: far above the noise, or with few levels. Where
-/// the noise is not known, it is no more than what CAD leaves less what steps are of that:
+/// the noise is not known, it is no more than what free masses leave less what steps are of that:
 ///
 /// ```text
 /// σ² = s² − step²/12
 /// ```
-fn coarse_step(rows: &LogRows, kept: &[usize], channel: usize, values: &[f64]) -> Option<f64> {
+fn coarse_step(
+    rows: &LogRows,
+    model: Option<&Model>,
+    (kept, channel, values): (&[usize], usize, &[f64]),
+) -> Option<f64> {
     let step = step(values)?;
     let levels = scatter(values) / step;
-    let noise = rows.noise.unwrap_or_else(|| {
-        let left = match rows.cad[..] {
-            _ if levels < SHOWS => 0.0,
-            [] => f64::INFINITY,
-            _ => rows.left_by_cad(kept, channel),
-        };
-        (left * left - step * step / 12.0).max(0.0).sqrt()
+    let noise = rows.noise.or_else(|| {
+        if levels < SHOWS {
+            return Some(0.0);
+        }
+        let left = rows.left_by_masses(model?, kept, channel)?;
+        Some((left * left - step * step / 12.0).max(0.0).sqrt())
     });
-    (step > SHOWS * noise && levels > 0.1).then_some(step)
+    (step > SHOWS * noise? && levels > 0.1).then_some(step)
 }
 
 /// Runs of the kept rows in which one axis of the CoP, or the cells together, stay the same while

@@ -33,12 +33,13 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use nalgebra::{DMatrix, DVector};
 use sesc_model::tree::Dof;
 use sesc_model::{Function, Model};
 
 use super::criteria::{FEW_ROWS, SHOWS, UNKNOWN_NOISE_M};
 use super::finding::{Finding, Kind, Picture, Row};
-use super::view::{On, View, left_by_plane};
+use super::view::{On, View, evenly};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, PostureReader, ROOM, Rows, Samples};
@@ -46,6 +47,7 @@ use crate::observations::correlation;
 use crate::observations::motion::{Plan, Wanted};
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, rms};
+use crate::observations::rows::CopRows;
 use crate::observations::zmp::Zmp;
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
@@ -255,20 +257,28 @@ impl LogRows {
         }
     }
 
-    /// What CAD at any scale, and what its acceleration does to the CoP, leave of one channel, m,
-    /// in some of the rows.
-    fn left_by_cad(&self, rows: &[usize], channel: usize) -> f64 {
+    /// What free masses, and what CAD's CoM does to the CoP where it is accelerated, leave of
+    /// one channel, m, in some of the rows; none where these are too few to tell.
+    fn left_by_masses(&self, model: &Model, rows: &[usize], channel: usize) -> Option<f64> {
+        let rows = evenly(rows.iter().copied(), 1000);
+        let q: Vec<f64> = rows.iter().flat_map(|&k| self.q(k)).copied().collect();
+        let of_masses = CopRows::new(model).fastest().of(&q, rows.len(), None);
         // CAD's CoP bends as its acceleration does, over 0.15 s either way.
         let step = correlation::step(&self.t).filter(|_| self.t.len() == self.len());
         let reach = step.map_or(self.len(), |step| (0.15 / step).round().max(1.0) as usize);
-        let columns = rows.iter().map(|&row| {
+        let bend = |row: usize| {
             let at = |row: usize| self.cad[row][channel];
             let inside = row >= reach && row + reach < self.len();
-            let bend = inside.then(|| at(row - reach) - 2.0 * at(row) + at(row + reach));
-            (self.reading[row][channel], (at(row), bend.unwrap_or(0.0)))
+            inside.then(|| at(row - reach) - 2.0 * at(row) + at(row + reach))
+        };
+        let count = of_masses.ncols();
+        let x = DMatrix::from_fn(rows.len(), count + 1, |k, column| match column < count {
+            true => of_masses[(2 * k + channel, column)],
+            false => bend(rows[k]).unwrap_or(0.0),
         });
-        let (read, (cad, bend)): (Vec<f64>, (Vec<f64>, Vec<f64>)) = columns.unzip();
-        left_by_plane(&read, [&cad, &bend])
+        let y = DVector::from_fn(rows.len(), |k, _| self.reading[rows[k]][channel]);
+        let (square, df) = correlation::left(&x, &y);
+        (df >= FEW_ROWS as f64).then(|| square.sqrt())
     }
 
     /// The `chosen` rows as postures: as they were read, and without what motion adds to their
@@ -347,7 +357,7 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
     let lost = (rows.cells > 0).then(|| contact::lost(&rows, &mut left_out));
     let mut findings: Vec<Finding> = lost.flatten().into_iter().collect();
     findings.extend(contact::unplugged(&rows));
-    findings.extend(channels::saturated(&rows, &mut left_out));
+    findings.extend(channels::saturated(&rows, None, &mut left_out));
     findings.extend(channels::copied(&rows, &mut left_out));
     findings.extend(times::stamps_of_other_rows(&rows));
     Ok(findings)
@@ -362,15 +372,17 @@ pub(super) fn judge(rows: &LogRows, on: On) -> (LeftOut, Vec<Finding>) {
     }
     let model = on.model;
     findings.extend(times::stamps_of_other_rows(rows));
-    findings.extend(times::leaps(rows, &model.tree.dofs));
     findings.extend(contact::lost(rows, &mut left_out));
     findings.extend(contact::unplugged(rows));
     findings.extend(contact::unlike_weight(rows, model, &left_out));
     findings.extend(contact::both_flat(rows, model));
     findings.extend(contact::outside(rows, on, &mut left_out));
     findings.extend(channels::frozen(rows, &mut left_out));
-    findings.extend(channels::saturated(rows, &mut left_out));
-    findings.extend(channels::copied(rows, &mut left_out));
+    findings.extend(channels::saturated(rows, Some(model), &mut left_out));
+    let copied = channels::copied(rows, &mut left_out);
+    // Where rows are copies, joints leap to them and back.
+    let leaps = || times::leaps(rows, &model.tree.dofs);
+    findings.extend(copied.or_else(leaps));
     findings.extend(noise::beside_cad(rows, model, &left_out));
     (left_out, findings)
 }
