@@ -70,7 +70,7 @@ def test_each_robot_and_day_is_a_row(robot: sesc.Robot, table: fleet.Fleet, logs
             continue
         assert row["postures"] == 60 and len(row["inputs"]) == 1 and row["urdf_hash"] == robot.hash
         assert len(row["params"]) == len(row["std"]) == 5
-        shifted = [step["target"] for step in json.loads(row["effects"])]
+        shifted = [step["target"] for step in json.loads(row["effects"])["explanation"]]
         assert bool(shifted) == (row["robot"] == "c") == (row["verdict"] != "none")
     about = table.to_dict()
     assert about["groups"] == 6 and about["shared"] == [] and about["changes"] == []

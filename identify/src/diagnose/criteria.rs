@@ -179,7 +179,7 @@ pub(super) const HELD_OUT_TIMES: f64 = 4.0;
 /// χ² from which an experiment tells two explanations apart: what noise leaves of it in nine of
 /// ten logs, `S − 1.28 · 2 √S`, is then [`CLASS_SCORE`]. Calibrated on 45 classes of the
 /// study: 43 first experiments exclude as many as they say, 36 from 9 on.
-pub(super) const TOLD_APART: f64 = 22.0;
+pub(crate) const TOLD_APART: f64 = 22.0;
 /// One posture counts no more than this towards it, so that many tell. Chosen: six postures at
 /// least are needed then, with twice as much three.
 pub(super) const TOLD_BY_ONE: f64 = 4.0;

@@ -10,7 +10,7 @@ use super::com_spread;
 use super::criteria;
 use super::findings::{
     About, ActsOn, Blind, Diagnosis, Explained, HeldOut, Last, Leftover, Member, ModelOnLog,
-    NextPostures, Quantity, Step, Suspect, Verdict,
+    NextPostures, Quantity, Score, Step, Suspect, Verdict,
 };
 use super::held_out;
 use super::hypothesis::Term;
@@ -102,6 +102,14 @@ pub(super) fn find<'m>(
     let told: Vec<usize> = steps.iter().map(|(place, _)| *place).collect();
     let evidence: Vec<f64> = told.iter().map(|place| evidence(*place)).collect();
     let counted = search.fitted;
+    let (no_effect, alone) = match about.usable && !hopeless && about.scores > 0 {
+        true => search.alone(about.scores),
+        false => (null.clone(), Vec::new()),
+    };
+    let scores = alone
+        .iter()
+        .filter_map(|fit| score(problem, fit, &no_effect));
+    let scores = scores.collect();
     let expected = Misfit::of(problem, &null);
     let first = problem.first();
     let raw = baseline.errors.iter().zip(&first.weight).enumerate();
@@ -204,6 +212,7 @@ pub(super) fn find<'m>(
         told,
         class,
         baseline,
+        scores,
     };
     com_spread::state(problem, &mut found);
     Ok(found)
@@ -391,6 +400,26 @@ fn steps_told(
         }
     };
     told.iter().enumerate().map(step).collect()
+}
+
+/// An effect as it is fitted alone, beside `none`.
+fn score(problem: &Problem, fit: &Fit, none: &Fit) -> Option<Score> {
+    let context = &problem.first().context;
+    let mut found = fit.terms.iter().zip(words::values(problem, fit));
+    let (term, values) = found.find(|(term, _)| term.effect().is_some())?;
+    let values = values.into_iter();
+    let quantity = |found: words::NamedValue<'static>| {
+        let (value, std) = (found.value, found.std);
+        (found.name, Quantity { value, std })
+    };
+    Some(Score {
+        effect: term.name(),
+        target: term.target_name(context),
+        parameters: values.map(quantity).collect(),
+        fitted: term.fitted(context),
+        evidence: none.score() - fit.score(),
+        chi2: none.objective - fit.objective,
+    })
 }
 
 /// The explanations of a class, as they are listed.

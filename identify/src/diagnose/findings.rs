@@ -123,6 +123,24 @@ pub struct Step {
     pub remedy: Remedy,
 }
 
+/// One effect as the whole explanation of a log.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Score {
+    /// Name of the effect: `joint_offset`.
+    pub effect: &'static str,
+    /// Joint, link or cell that it acts on; `-` where it acts on the whole.
+    pub target: String,
+    /// Its parameters by name, which ends in the unit: `offset_rad`.
+    pub parameters: BTreeMap<&'static str, Quantity>,
+    /// What is fitted for each of them: zero where there is no effect.
+    pub fitted: BTreeMap<&'static str, Fitted>,
+    /// Fall of −2 log evidence with it.
+    pub evidence: f64,
+    /// Fall of χ² with it.
+    pub chi2: f64,
+}
+
 /// What of the robot an effect acts on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
@@ -515,6 +533,8 @@ pub(super) struct Explained {
     /// All that the data allow, the best first.
     pub class: Vec<Fit>,
     pub baseline: HeldOut,
+    /// Every effect alone, the best first, as many as were asked for.
+    pub scores: Vec<Score>,
 }
 
 /// Names for the report.
@@ -527,4 +547,6 @@ pub(super) struct About<'a> {
     pub health: Vec<Finding>,
     /// Whether effects can be looked for in them.
     pub usable: bool,
+    /// How many effects are fitted alone.
+    pub scores: usize,
 }

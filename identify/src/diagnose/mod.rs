@@ -34,11 +34,12 @@ mod wiring;
 pub mod words;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
+pub(crate) use criteria::TOLD_APART;
 pub use criteria::{CLASS_SCORE, FLOOR_M, OVER_NOTHING};
 pub use experiment::NextLog;
 pub use findings::{
     ActsOn, Blind, Change, Diagnosis, ExperimentProposal, Gap, Last, Leftover, Member, ModelOnLog,
-    NextPostures, Quantity, Remedy, Step, Suspect, UrdfChange, Verdict,
+    NextPostures, Quantity, Remedy, Score, Step, Suspect, UrdfChange, Verdict,
 };
 pub(crate) use hypothesis::FREE_MASSES;
 #[doc(hidden)]

@@ -16,7 +16,7 @@ use sesc_model::effects::{Catalog, Experiment};
 use sesc_model::{DataUsed, Model, ModelFile, Snapping};
 
 use super::experiment::NextLog;
-use super::findings::{About, Diagnosis, Explained, NextPostures, Verdict};
+use super::findings::{About, Diagnosis, Explained, NextPostures, Score, Verdict};
 use super::model_file::{model_file, on_log};
 use super::problem::{Block, Problem, soles_of};
 use super::remedy::{self, CorrectedUrdf, Servo};
@@ -81,6 +81,8 @@ pub struct Request {
     pub corrected_urdf: bool,
     /// What the robot without its loads weighs in the corrected URDF, kg; as in CAD unless given.
     pub total_mass: Option<f64>,
+    /// How many effects are wanted as they are fitted alone, the best first.
+    pub scores: usize,
     /// Whether the rows of figures are wanted.
     #[doc(hidden)]
     pub view: bool,
@@ -109,6 +111,7 @@ impl Request {
             servos: BTreeMap::new(),
             corrected_urdf: false,
             total_mass: None,
+            scores: 0,
             view: false,
         }
     }
@@ -134,6 +137,8 @@ pub struct Report {
     pub view: Option<DiagnosisView>,
     /// Postures of the experiment that would tell most, if one would tell explanations apart.
     pub next: Option<NextLog>,
+    /// Effects as they are fitted alone, the best first, as many as were wanted.
+    pub scores: Vec<Score>,
     /// What is to be known of the robot.
     pub notes: Vec<String>,
 }
@@ -220,6 +225,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             prior: prior.sentence(),
             usable: health.is_usable(),
             health: health.findings,
+            scores: request.scores,
         };
         let closure = soles_of(&request.feet, sidecar, &model, &mut data, watch)?;
         let first = Block::new(&model, data, closure, &request.effects);
@@ -291,6 +297,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             DiagnosisView::of(&problem, &found, skeleton)
         }),
         next,
+        scores: found.scores,
         notes: model.tree.notes.clone(),
         diagnosis: found.diagnosis,
     })

@@ -46,6 +46,42 @@ impl<'m> Search<'m> {
         }
     }
 
+    /// The fit of no effect, and the best fits of one, at most so many, whichever the search looked
+    /// at: beside masses that are off CAD where these alone explain the log better than any effect.
+    pub(super) fn alone(&mut self, most: usize) -> (Fit, Vec<Fit>) {
+        let none = self.fit(&[], None);
+        let alone = self.beside(&none, most);
+        let masses = self.fit(&[Term::Masses], Some(&none));
+        let by_effects = alone.iter().map(Fit::score).fold(none.score(), f64::min);
+        if self.problem.is_wider() && masses.score() < by_effects {
+            let beside = self.beside(&masses, most);
+            return (masses, beside);
+        }
+        (none, alone)
+    }
+
+    /// The best fits of a hypothesis with one effect more.
+    fn beside(&mut self, parent: &Fit, most: usize) -> Vec<Fit> {
+        let adds_effect = |proposal: &Proposal| {
+            let mut added = proposal.terms.iter();
+            added.all(|term| parent.terms.contains(term) || term.effect().is_some())
+        };
+        let mut proposals = self.extensions(parent, (usize::MAX, most));
+        proposals.retain(adds_effect);
+        let context = &self.problem.first().context;
+        let terms = proposals.iter().map(|one| sorted(context, &one.terms));
+        let terms: Vec<Vec<Term>> = terms.collect();
+        let new = terms
+            .iter()
+            .filter(|terms| !self.known.contains_key(*terms));
+        let problem = &*self.problem;
+        let fits = each_long(new, |terms| problem.fit(terms, Some(parent), ALL));
+        fits.into_iter().for_each(|fit| self.learn(fit));
+        let mut all: Vec<Fit> = terms.iter().map(|terms| self.fit(terms, None)).collect();
+        all.sort_by(|a, b| a.score().total_cmp(&b.score()));
+        all
+    }
+
     fn penalty(&self, term: &Term) -> f64 {
         self.problem.penalty(std::slice::from_ref(term))
     }

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use super::log::{Log, each_once, name_of_log, without_path};
-use super::row::Row;
+use super::row::{Row, SCORES};
 use super::{Only, Options};
 use crate::diagnose::diagnose;
 use crate::fit::part::Part;
@@ -282,9 +282,10 @@ impl Evaluation<'_> {
         request.floor = self.options.floor;
         request.motion = self.options.motion_model();
         request.feet = self.options.feet();
-        let found = diagnose(&request, watch)?.diagnosis;
+        request.scores = SCORES;
+        let found = diagnose(&request, watch)?;
         row.diagnosed(&found);
-        Ok(found.verdict != diagnosis::Verdict::Unusable)
+        Ok(found.diagnosis.verdict != diagnosis::Verdict::Unusable)
     }
 
     /// Several logs as one: postures are numbered on, times run on after a pause, and the CoP is

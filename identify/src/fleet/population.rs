@@ -66,7 +66,7 @@ pub fn population(
             && !row.covariance.is_empty()
             && row.is_usable()
             // With another effect, its parameters make up for that.
-            && row.effects.iter().all(|found| found.effect == FREE_MASSES)
+            && row.effects.explanation.iter().all(|found| found.effect == FREE_MASSES)
     };
     let mut supports: BTreeMap<&str, BTreeMap<&str, Vec<&Row>>> = BTreeMap::new();
     for row in with_each_log_once(rows.iter().filter(is_told).collect()) {

@@ -19,7 +19,7 @@ use sesc_model::effects::Fitted;
 
 use crate::Error;
 use crate::diagnose::words::{NamedValue, named};
-use crate::diagnose::{Diagnosis, Step, Verdict};
+use crate::diagnose::{Quantity, Report, Score, Step, Verdict};
 use crate::files::{self, NewFile};
 use crate::fit::Identification;
 use crate::health::{Finding, Kind};
@@ -97,31 +97,61 @@ pub struct EffectFound {
     pub absent: BTreeMap<String, Absent>,
     /// Rise of −2 log evidence without this effect.
     pub evidence: f64,
-    /// The complete explanations that these data allow instead, effects with their targets;
-    /// with the first effect of a row whose verdict is `class`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub instead: Vec<Vec<String>>,
 }
 
+/// What a diagnosis says of effects.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+#[non_exhaustive]
+pub struct Effects {
+    /// Those of the explanation.
+    pub explanation: Vec<EffectFound>,
+    /// The complete explanations that these data allow instead, effects with their targets.
+    pub instead: Vec<Vec<String>>,
+    /// Every effect as the whole explanation, the best first, at most [`SCORES`].
+    pub scores: Vec<EffectFound>,
+}
+
+/// Most effects of a row that are fitted alone.
+pub const SCORES: usize = 64;
+
 impl EffectFound {
-    fn of(step: &Step, instead: Vec<Vec<String>>) -> EffectFound {
-        let size = |q: &crate::diagnose::Quantity| Size {
+    fn of(
+        (effect, target): (&str, &str),
+        parameters: &BTreeMap<&'static str, Quantity>,
+        fitted: &BTreeMap<&'static str, Fitted>,
+        evidence: f64,
+    ) -> EffectFound {
+        let size = |q: &Quantity| Size {
             value: q.value,
             std: q.std,
         };
-        let parameters = step.parameters.iter();
+        let parameters = parameters.iter();
         let absent = |(name, fitted): (&&str, &Fitted)| {
             let absent = Absent::of(*fitted)?;
             Some((name.to_string(), absent))
         };
         EffectFound {
-            effect: step.effect.to_string(),
-            target: step.target.clone(),
+            effect: effect.to_string(),
+            target: target.to_string(),
             parameters: parameters.map(|(n, q)| (n.to_string(), size(q))).collect(),
-            absent: step.fitted.iter().filter_map(absent).collect(),
-            evidence: step.evidence,
-            instead,
+            absent: fitted.iter().filter_map(absent).collect(),
+            evidence,
         }
+    }
+
+    /// The same, no parameter better known than this fall of χ² tells it from no effect: where a
+    /// search for a size ends at its bounds, slopes there say nothing of it.
+    fn known_by(mut self, chi2: f64) -> EffectFound {
+        let names: Vec<String> = self.parameters.keys().cloned().collect();
+        for name in names {
+            let away = self.away(&name);
+            if let (Some(away), Some(size)) = (away, self.parameters.get_mut(&name)) {
+                let claimed = (away.value / away.std).abs();
+                size.std *= (claimed / chi2.max(0.0).sqrt()).max(1.0);
+            }
+        }
+        self
     }
 
     /// How far a parameter is from what it is without the effect.
@@ -186,8 +216,8 @@ pub struct Row {
     pub verdict: Option<Verdict>,
     /// The diagnosis in sentences.
     pub sentence: String,
-    /// The effects of the explanation.
-    pub effects: Vec<EffectFound>,
+    /// What the diagnosis says of effects.
+    pub effects: Effects,
     /// What is wrong with the data themselves.
     pub health: Vec<Finding>,
     /// Base parameters as fitted without effects, m, in the model's order; empty where the
@@ -240,7 +270,8 @@ impl Row {
             && (self.covariance.is_empty() || self.covariance.len() == n * (n + 1) / 2)
             && self.params.iter().chain(&self.covariance).all(is_sound)
             && deviations.all(|x| x.as_ref().is_none_or(is_deviation))
-            && self.effects.iter().all(of_effect)
+            && self.effects.explanation.iter().all(of_effect)
+            && self.effects.scores.iter().all(of_effect)
     }
 
     /// Whether the row says something of the robot.
@@ -286,7 +317,8 @@ impl Row {
     }
 
     /// Take over what a diagnosis says.
-    pub(super) fn diagnosed(&mut self, diagnosis: &Diagnosis) {
+    pub(super) fn diagnosed(&mut self, report: &Report) {
+        let diagnosis = &report.diagnosis;
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         self.support.clone_from(&diagnosis.support);
         self.postures = diagnosis.postures as u64;
@@ -305,11 +337,23 @@ impl Row {
             self.sentence = format!("{} {STUCK}", finding.sentence);
             return;
         }
+        let step =
+            |s: &Step| EffectFound::of((s.effect, &s.target), &s.parameters, &s.fitted, s.evidence);
+        let score = |s: &Score| {
+            EffectFound::of((s.effect, &s.target), &s.parameters, &s.fitted, s.evidence)
+                .known_by(s.chi2)
+        };
+        // What a log says nothing of has no size.
+        let is_known = |found: &EffectFound| {
+            let mut sizes = found.parameters.values();
+            sizes.all(|size| size.value.is_finite() && size.std.is_finite())
+        };
         let others = diagnosis.indistinguishable.iter().skip(1);
-        let mut instead: Vec<Vec<String>> = others.cloned().collect();
-        let steps = diagnosis.steps.iter();
-        let effects = steps.map(|step| EffectFound::of(step, std::mem::take(&mut instead)));
-        self.effects = effects.collect();
+        self.effects = Effects {
+            explanation: diagnosis.steps.iter().map(step).collect(),
+            instead: others.cloned().collect(),
+            scores: report.scores.iter().map(score).filter(is_known).collect(),
+        };
     }
 }
 

@@ -23,7 +23,7 @@ pub(super) struct Line {
 
 /// A row as pages have it.
 pub(super) fn line(row: &Row) -> Line {
-    let effects = row.effects.iter().map(subject);
+    let effects = row.effects.explanation.iter().map(subject);
     let health = row.health.iter();
     let health = health.map(|f| match f.target.as_str() {
         "-" => in_words(f.kind.name()),

@@ -83,7 +83,7 @@ pub(super) fn of_robot(rows: &[&Row], skeleton: &Skeleton) -> Option<Value> {
     }
     let mut marks = Marks::default();
     let mut said = Vec::new();
-    for effect in &last.effects {
+    for effect in &last.effects.explanation {
         if mark_effect(&mut marks, skeleton, &effect.effect, &effect.target) {
             said.push(subject(effect));
         }

@@ -60,7 +60,7 @@ pub(super) fn robot_page(
 fn courses(rows: &[&Row]) -> Vec<Course> {
     let mut found: Vec<Course> = Vec::new();
     for (day, row) in rows.iter().enumerate() {
-        for effect in &row.effects {
+        for effect in &row.effects.explanation {
             for (parameter, size) in &effect.parameters {
                 let (factor, unit) = Unit::of(parameter).shown();
                 let stem = Unit::stem(parameter);

@@ -13,7 +13,7 @@ fn row(robot: &str, day: &str, effects: &str) -> Row {
     let json = format!(
         r#"{{"robot": "{robot}", "day": "{day}", "urdf_hash": "a", "support": "sole",
             "postures": 60, "independent": 60, "noise_floor": 0.00014, "held_out_rmse": 0.0002,
-            "verdict": "named", "sentence": "", "effects": [{effects}], "health": [],
+            "verdict": "named", "sentence": "", "effects": {{"explanation": [{effects}]}}, "health": [],
             "params": [], "std": [], "inputs": ["0"], "error": null, "version": "0"}}"#
     );
     serde_json::from_str(&json).unwrap()

@@ -33,7 +33,7 @@ fn check(hidden: &Fleet) {
     // The batch, with its size and its robots.
     let shared = json["shared"].as_array().unwrap();
     assert_eq!(shared.len(), 1, "{shared:#?}");
-    assert_eq!(shared[0]["effect"], "joint_offset");
+    assert_eq!(shared[0]["effect"], "joint_offset", "{shared:#?}");
     assert_eq!(shared[0]["target"], BATCH.0);
     let batch: Vec<String> = hidden
         .batch
@@ -161,12 +161,20 @@ fn rows_name_what_is_hidden(hidden: &Fleet, table: &str) {
             () if since(hidden.drifts) => Some(DRIFT.0),
             () => None,
         };
-        let effects: Vec<Value> = serde_json::from_str(field("effects")).unwrap();
-        let named: Vec<&str> = effects
+        let effects: Value = serde_json::from_str(field("effects")).unwrap();
+        let named: Vec<&str> = effects["explanation"]
+            .as_array()
+            .unwrap()
             .iter()
             .map(|e| e["target"].as_str().unwrap())
             .collect();
         assert_eq!(named, Vec::from_iter(joint), "{record:?}");
+        // What is hidden is the best of all effects as the whole explanation, too.
+        let scores = effects["scores"].as_array().unwrap();
+        assert!(scores.len() <= 64, "{record:?}");
+        if let Some(joint) = joint {
+            assert_eq!(scores[0]["target"], joint, "{record:?}");
+        }
         let stuck = hidden.stuck == Some(robot);
         let health: Vec<Value> = serde_json::from_str(field("health")).unwrap();
         let found: Vec<&str> = health

@@ -14,6 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_reference::{Error, Robot, Track, World};
 
+use crate::hidden::Hidden;
 use crate::stage::{Platform, Stage};
 
 /// Readings of a posture.
@@ -38,8 +39,11 @@ pub struct Fleet {
     pub noise: f64,
     /// Seed of robots, postures and noise.
     pub seed: u64,
-    /// Robots whose joint [`BATCH`] is off by the same angle.
+    /// Robots with the same fault: joint [`BATCH`] is off by the same angle unless another one is
+    /// given.
     pub batch: Vec<usize>,
+    /// Fault of the batch.
+    pub fault: Option<Hidden>,
     /// A robot whose joint [`DRIFT`] drifts from a day on.
     pub drifts: Option<(usize, usize)>,
     /// A robot whose encoder [`STUCK`] stands still.
@@ -144,7 +148,10 @@ impl Fleet {
             write("robot.urdf", &other);
         }
         if self.batch.contains(&robot) {
-            world = world.joint_offset(BATCH.0, BATCH.1)?;
+            world = match &self.fault {
+                Some(fault) => fault.hide(world)?,
+                None => world.joint_offset(BATCH.0, BATCH.1)?,
+            };
         }
         if let Some((_, from)) = self
             .drifts

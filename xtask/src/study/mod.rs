@@ -44,7 +44,7 @@ const SCENARIOS: [Scenario; 9] = [
     ("false-alarms", 1000, 1, Some(alarms::plan)),
     ("fast-alarms", 60, 1, Some(alarms::fast_plan)),
     ("health", 20, 1, Some(health::plan)),
-    ("fleet", 20, 1, Some(fleet::plan)),
+    ("fleet", 6, 1, Some(fleet::plan)),
 ];
 
 /// What to ask how often.

@@ -195,6 +195,7 @@ fn about() -> About<'static> {
         prior: String::new(),
         health: Vec::new(),
         usable: true,
+        scores: 0,
     }
 }
 

@@ -372,7 +372,7 @@ fn scatter(histories: &[History]) -> f64 {
 
 /// The effects of a row's explanation with their targets.
 fn explained(row: &Row) -> BTreeSet<(&str, &str)> {
-    let effects = row.effects.iter();
+    let effects = row.effects.explanation.iter();
     effects
         .map(|found| (found.effect.as_str(), found.target.as_str()))
         .collect()

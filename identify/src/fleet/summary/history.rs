@@ -62,15 +62,11 @@ pub(super) enum Said<'r> {
 
 pub(super) fn said<'r>(row: &'r Row, (effect, target): &Key) -> Said<'r> {
     let is_it = |found: &&EffectFound| found.effect == *effect && found.target == *target;
-    if let Some(found) = row.effects.iter().find(is_it) {
+    if let Some(found) = row.effects.explanation.iter().find(is_it) {
         return Said::Found(found);
     }
-    if row.effects.iter().all(|found| found.instead.is_empty()) {
-        return Said::No;
-    }
     let label = label((effect, target));
-    let effects = row.effects.iter();
-    let mut instead = effects.flat_map(|found| found.instead.iter().flatten());
+    let mut instead = row.effects.instead.iter().flatten();
     match instead.any(|other| *other == label) {
         true => Said::Possible,
         false => Said::No,
@@ -83,6 +79,12 @@ pub(super) fn found<'r>(row: &'r Row, key: &Key) -> Option<&'r EffectFound> {
         Said::Found(found) => Some(found),
         Said::Possible | Said::No => None,
     }
+}
+
+/// What a row says of the size of an effect: that of its explanation, else alone.
+pub(super) fn scored<'r>(row: &'r Row, key: &Key) -> Option<&'r EffectFound> {
+    let is_it = |found: &&EffectFound| found.effect == key.0 && found.target == key.1;
+    found(row, key).or_else(|| row.effects.scores.iter().find(is_it))
 }
 
 /// An effect and its target as diagnoses write them: `effect:target`, or `effect`.
@@ -115,9 +117,18 @@ impl<'r> History<'r> {
         stretches.into_values().collect()
     }
 
+    /// Every effect that a row has a size of.
+    pub fn scored(&self) -> BTreeSet<Key> {
+        let rows = self.usable().map(|row| &row.effects);
+        let effects = rows.flat_map(|own| own.explanation.iter().chain(&own.scores));
+        effects
+            .map(|found| (found.effect.clone(), found.target.clone()))
+            .collect()
+    }
+
     /// Every effect of any explanation.
     pub fn keys(&self) -> BTreeSet<Key> {
-        let effects = self.usable().flat_map(|row| &row.effects);
+        let effects = self.usable().flat_map(|row| &row.effects.explanation);
         effects
             .map(|found| (found.effect.clone(), found.target.clone()))
             .collect()
@@ -134,7 +145,7 @@ pub(super) fn absent<'r>(
     known.find_map(|found| found.absent.get(parameter).copied())
 }
 
-/// The parameter of an effect that is largest beside its deviation.
+/// The parameter of an effect that is largest beside its deviation; of a mass itself, wherever it is.
 pub(super) fn principal<'a>(found: impl Iterator<Item = &'a EffectFound>) -> Option<String> {
     let mut told: BTreeMap<&str, f64> = BTreeMap::new();
     let sizes = |found: &'a EffectFound| {
@@ -143,6 +154,10 @@ pub(super) fn principal<'a>(found: impl Iterator<Item = &'a EffectFound>) -> Opt
     };
     for (name, size) in found.flat_map(sizes) {
         *told.entry(name).or_default() += (size.value / size.std.max(f64::MIN_POSITIVE)).powi(2);
+    }
+    let is_mass = |name: &&str| name.ends_with("_kg");
+    if let Some(mass) = told.keys().copied().find(is_mass) {
+        return Some(mass.to_string());
     }
     let best = told.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
     best.map(|(name, _)| name.to_string())

@@ -81,12 +81,18 @@ pub(in crate::fleet) const DIFFERENCES: usize = 20;
 /// for larger changes in small fleets.
 pub(in crate::fleet) const LEAST_FREEDOM: f64 = 5.0;
 
-/// Robots of a group differ by at most this part of its size. Chosen: half of it splits
-/// batches whose offsets scatter.
-pub(in crate::fleet) const ALIKE: f64 = 0.5;
-/// A window is no narrower than this many deviations of an estimate. Chosen: half of it
-/// takes agreement that estimates cannot have for evidence.
-pub(in crate::fleet) const LEAST_WINDOW: f64 = 2.0;
+/// This part of the robots, at least, has a fault of its own. Chosen: twice as much asks a batch of three
+/// for another half of a deviation each.
+pub(in crate::fleet) const OWN: f64 = 0.05;
+/// So many effects explain much the same. Chosen: an offset of a joint, its scale, and those of the
+/// joints beside it; twice as many asks a batch of three for another half of a deviation each.
+pub(in crate::fleet) const ALIKE: f64 = 5.0;
+/// A robot is told of a group from so many deviations of its own size on. Chosen: half of it tells
+/// robots of which the log says nothing.
+pub(in crate::fleet) const CLEARLY: f64 = 2.0;
+/// Robots of a group differ by this part of what they share, a deviation. Chosen: half of it leaves out
+/// robots of batches whose offsets scatter, twice as much takes sizes that agree by chance for one.
+pub(in crate::fleet) const DIFFER: f64 = 0.05;
 
 /// What the rows say together.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -138,7 +144,9 @@ fn differing_bodies(histories: &[History], shared: &[Shared]) -> Option<String> 
     let in_groups: BTreeSet<&str> = in_groups.map(String::as_str).collect();
     let of_its_own = |history: &&History| {
         let rows = history.usable().count();
-        let with = history.usable().filter(|row| !row.effects.is_empty());
+        let with = history
+            .usable()
+            .filter(|row| !row.effects.explanation.is_empty());
         2 * with.count() > rows && !in_groups.contains(history.robot)
     };
     let all = histories.iter().filter(|h| h.usable().next().is_some());

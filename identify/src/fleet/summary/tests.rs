@@ -61,6 +61,42 @@ fn a_batch_is_found_with_its_size_and_its_robots_alone() {
     }
 }
 
+/// Rows of a batch name its joint on some days, the joint beside it on others, and nothing on the rest.
+#[test]
+fn a_batch_is_found_whatever_its_days_name() {
+    let mut fleet = Drawn::fleet(24, 4, 23);
+    (0..5).for_each(|robot| fleet.offset(robot, "l_knee", 0.026, 1..));
+    for (k, row) in fleet.rows.iter_mut().enumerate() {
+        let effects = &mut row.effects;
+        let Some(mut named) = effects.explanation.pop() else {
+            continue;
+        };
+        named.evidence = effects.scores[0].evidence;
+        // It explains each day nearly as well, by another size each day.
+        let mut other = effects.scores[0].clone();
+        other.target = "l_hip_pitch".into();
+        other.evidence -= 4.0;
+        for size in other.parameters.values_mut() {
+            size.value *= 0.7 + 0.05 * (k % 4) as f64;
+        }
+        effects.scores.push(other.clone());
+        match k % 3 {
+            0 => effects.explanation.push(named),
+            1 => effects.explanation.push(other),
+            _ => {}
+        }
+    }
+    let found = fleet.summary();
+    assert_eq!(found.shared.len(), 1, "{:?}", found.shared);
+    let shared = &found.shared[0];
+    assert_eq!(
+        (&*shared.effect, &*shared.target),
+        ("joint_offset", "l_knee")
+    );
+    assert_eq!(shared.robots, ["r00", "r01", "r02", "r03", "r04"]);
+    assert!((shared.size - 0.026).abs() < 4.0 * shared.std, "{shared:?}");
+}
+
 /// An effect that one day hardly shows is less sure than one that many show clearly, and may be
 /// anywhere among robots of its kind.
 #[test]
@@ -69,7 +105,7 @@ fn what_is_less_sure_counts_for_less_and_may_have_more_places() {
     fleet.offset(1, "l_knee", 0.05, 1..);
     fleet.offset(2, "r_el", 0.03, 1..);
     for row in &mut fleet.rows {
-        for found in &mut row.effects {
+        for found in &mut row.effects.explanation {
             // Twice the logarithm of the odds: 12 to 1 of one of two days.
             found.evidence = if row.robot == "r02" { 5.0 } else { 60.0 };
         }
@@ -287,7 +323,7 @@ fn an_effect_that_nothing_bears_out_is_no_change() {
             if !moved {
                 row.params = old.params;
             }
-            if let (Some(gap), false) = (gap, row.effects.is_empty()) {
+            if let (Some(gap), false) = (gap, row.effects.explanation.is_empty()) {
                 row.held_out_rmse = Some(gap);
             }
         }
@@ -331,7 +367,7 @@ fn what_parameters_tell_together_bears_an_effect_out() {
         fleet.offset(3, "l_knee", 0.05, 2..);
         for (row, old) in fleet.rows.iter_mut().zip(before) {
             row.params = old.params;
-            if !row.effects.is_empty() {
+            if !row.effects.explanation.is_empty() {
                 for pair in (0..40).step_by(2) {
                     row.params[pair] += 4.0 * STD;
                     row.params[pair + 1] += sign * 4.0 * STD;
@@ -366,9 +402,10 @@ fn factors_differ_from_one_and_stiffness_from_none() {
             fleet.offset(robot, "l_knee", 0.0, 1..);
             for row in fleet.rows(robot, ..) {
                 let std = 0.02 * value;
-                row.effects[0].effect = "joint_scale".into();
-                row.effects[0].parameters = [(name.to_string(), Size { value, std })].into();
-                row.effects[0].absent = parameter.clone().into();
+                row.effects.explanation[0].effect = "joint_scale".into();
+                row.effects.explanation[0].parameters =
+                    [(name.to_string(), Size { value, std })].into();
+                row.effects.explanation[0].absent = parameter.clone().into();
             }
         }
         fleet.summary().shared

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::ops::RangeBounds;
 
-use rand::SeedableRng as _;
+use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::super::{Summary, summary};
 use crate::diagnose::Verdict;
-use crate::fleet::row::{EffectFound, Row, Size};
+use crate::fleet::row::{EffectFound, Effects, Row, Size};
 
 /// Deviation of a drawn offset, rad, and of a drawn parameter, m.
 pub const STD: f64 = 0.001;
@@ -21,6 +21,20 @@ fn independent() -> Vec<f64> {
     (0..PARAMS).flat_map(row).collect()
 }
 
+/// Joints whose offset every row scores.
+const SCORED: usize = 30;
+
+/// An offset of a joint as the whole explanation.
+fn scored(joint: &str, value: f64) -> EffectFound {
+    EffectFound {
+        effect: "joint_offset".into(),
+        target: joint.into(),
+        parameters: [("offset_rad".to_string(), Size { value, std: STD })].into(),
+        absent: BTreeMap::new(),
+        evidence: (value / STD).powi(2) - 10.0,
+    }
+}
+
 pub struct Drawn {
     pub random: ChaCha8Rng,
     pub rows: Vec<Row>,
@@ -30,6 +44,7 @@ impl Drawn {
     /// A row for each robot and day, parameters with noise alone.
     pub fn fleet(robots: usize, days: usize, seed: u64) -> Drawn {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut of_scores = ChaCha8Rng::seed_from_u64(!seed);
         let mut rows = Vec::new();
         for robot in 0..robots {
             for day in 1..=days {
@@ -45,6 +60,17 @@ impl Drawn {
                     params: (0..PARAMS).map(|k| STD * normal(k)).collect(),
                     std: vec![Some(STD); PARAMS],
                     covariance: independent(),
+                    effects: Effects {
+                        scores: (0..SCORED)
+                            .map(|k| {
+                                scored(
+                                    &format!("j{k}"),
+                                    STD * of_scores.sample::<f64, _>(StandardNormal),
+                                )
+                            })
+                            .collect(),
+                        ..Effects::default()
+                    },
                     ..Row::default()
                 });
             }
@@ -80,13 +106,11 @@ impl Drawn {
             row.verdict = Some(Verdict::Named);
             // What is fitted without effects takes the offset for masses elsewhere.
             row.params[7] += value;
-            row.effects.push(EffectFound {
-                effect: "joint_offset".into(),
-                target: joint.into(),
-                parameters: [("offset_rad".to_string(), Size { value, std: STD })].into(),
-                absent: BTreeMap::new(),
+            let found = scored(joint, value);
+            row.effects.scores.insert(0, found.clone());
+            row.effects.explanation.push(EffectFound {
                 evidence: 100.0,
-                instead: Vec::new(),
+                ..found
             });
         }
     }
