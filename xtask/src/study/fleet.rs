@@ -147,7 +147,7 @@ fn sound(seed: u64) -> Result<Answer, Failure> {
             Cell::Share(named, found.rows.len()),
             Cell::Share(summary.look_first.len(), ROBOTS),
         ],
-        note: None,
+        note: summary.shared.first().map(|shared| shared.sentence.clone()),
     })
 }
 
