@@ -27,7 +27,8 @@
 //! exp Λ of one (μ, π) has the mean 1 where nothing is shared, so that it is as large by chance as
 //! its inverse says (Markov); μ is looked for at the sizes of robots, as at places of a grid as wide as
 //! robots of a group differ.
-//! Of all effects whose chance is below [`FALSE_ALARM`] the group with the largest sum
+//! Of all effects whose chance is below [`FALSE_ALARM`] and whose evidence in the robots of the group
+//! is above 0 in sum, the group with the largest
 //!
 //! ```text
 //! Σ_i (Σ_d (E_id + 1 − ((v_id − μ)/σ_id)²) − max E_i − 2 ln ω)
@@ -326,7 +327,9 @@ impl Candidate<'_> {
         let chosen: Vec<usize> = (0..members.len())
             .filter(|k| belongs(&members[*k]))
             .collect();
-        if chance > FALSE_ALARM || chosen.len() < 2 {
+        // What no robot's log asks for, in sum, is a bound of a search or the noise of a few days.
+        let evidence = chosen.iter().map(|k| members[*k].evidence).sum::<f64>();
+        if chance > FALSE_ALARM || chosen.len() < 2 || evidence <= 0.0 {
             return None;
         }
         let of_group: Vec<&Member> = chosen.iter().map(|k| &members[*k]).collect();
