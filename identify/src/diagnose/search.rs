@@ -51,11 +51,13 @@ impl<'m> Search<'m> {
     pub(super) fn alone(&mut self, most: usize) -> (Fit, Vec<Fit>) {
         let none = self.fit(&[], None);
         let alone = self.beside(&none, most);
-        let masses = self.fit(&[Term::Masses], Some(&none));
         let by_effects = alone.iter().map(Fit::score).fold(none.score(), f64::min);
-        if self.problem.is_wider() && masses.score() < by_effects {
-            let beside = self.beside(&masses, most);
-            return (masses, beside);
+        if self.problem.is_wider() {
+            let masses = self.fit(&[Term::Masses], Some(&none));
+            if masses.score() < by_effects {
+                let beside = self.beside(&masses, most);
+                return (masses, beside);
+            }
         }
         (none, alone)
     }

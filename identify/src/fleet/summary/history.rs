@@ -101,6 +101,14 @@ impl<'r> History<'r> {
         self.rows.iter().copied().filter(|row| row.is_usable())
     }
 
+    /// Whether most of its usable rows have effects in their explanation.
+    pub fn has_effects(&self) -> bool {
+        let with = self
+            .usable()
+            .filter(|row| !row.effects.explanation.is_empty());
+        2 * with.count() > self.usable().count()
+    }
+
     /// Rows of which something came, whether it says something of the robot or not.
     pub fn with_results(&self) -> Vec<&'r Row> {
         let rows = self.rows.iter().copied();

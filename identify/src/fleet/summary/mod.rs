@@ -88,8 +88,7 @@ pub(in crate::fleet) const OWN: f64 = 0.05;
 /// joints beside it; twice as many asks a batch of three for another half of a deviation each.
 pub(in crate::fleet) const ALIKE: f64 = 5.0;
 /// More days than these know a size no better: some effects have sizes of one sign, and what noise
-/// makes of them does not average out. Chosen: with seven, 2 of 6 sound fleets had a group, with four 0
-/// of 200.
+/// makes of them does not average out. Chosen: the study of fleets counts robots of four days.
 pub(in crate::fleet) const DAYS: f64 = 4.0;
 /// A robot is told of a group from so many deviations of its own size on. Chosen: half of it tells
 /// robots of which the log says nothing.
@@ -146,13 +145,8 @@ pub fn summary(
 fn differing_bodies(histories: &[History], shared: &[Shared]) -> Option<String> {
     let in_groups = shared.iter().flat_map(|group| &group.robots);
     let in_groups: BTreeSet<&str> = in_groups.map(String::as_str).collect();
-    let of_its_own = |history: &&History| {
-        let rows = history.usable().count();
-        let with = history
-            .usable()
-            .filter(|row| !row.effects.explanation.is_empty());
-        2 * with.count() > rows && !in_groups.contains(history.robot)
-    };
+    let of_its_own =
+        |history: &&History| history.has_effects() && !in_groups.contains(history.robot);
     let all = histories.iter().filter(|h| h.usable().next().is_some());
     let all = all.count();
     let own = histories.iter().filter(of_its_own).count();

@@ -151,14 +151,8 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
         member.best = best[member.robot];
     }
     let looked_at = open.len().max(1) as f64;
-    let explained = |history: &&History| {
-        let rows = history.usable().count();
-        let with = history
-            .usable()
-            .filter(|row| !row.effects.explanation.is_empty());
-        2 * with.count() > rows
-    };
-    let own = histories.iter().filter(explained).count() as f64 / histories.len().max(1) as f64;
+    let own = histories.iter().filter(|history| history.has_effects());
+    let own = own.count() as f64 / histories.len().max(1) as f64;
     let alike = own.max(OWN) * (ALIKE / looked_at).min(1.0);
     let mut largest: BTreeMap<String, f64> = BTreeMap::new();
     for Candidate { key, members, .. } in &open {
@@ -195,10 +189,11 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
         for candidate in &mut open {
             let other = candidate.key.clone();
             candidate.members.retain(|member| {
-                let is_of_group = robots.contains(&member.robot);
-                let robot = histories.iter().find(|own| own.robot == member.robot);
-                let apart = |robot| other == key || never_together(robot, &key, &other);
-                !(is_of_group && robot.is_some_and(apart))
+                let apart = || {
+                    let robot = histories.iter().find(|own| own.robot == member.robot);
+                    robot.is_some_and(|robot| never_together(robot, &key, &other))
+                };
+                !(robots.contains(&member.robot) && (other == key || apart()))
             });
         }
         found.push(shared);
@@ -281,34 +276,41 @@ impl Candidate<'_> {
     fn group(&self, largest: f64, robots: usize, alike: f64, looks: f64) -> Option<Group> {
         let members = &self.members;
         let std = |m: &Member| self.std(m);
-        let without = |m: &Member| {
+        let without = members.iter().map(|m| {
             let is_other = m.evidence + TOLD_APART < m.best;
             let own = if is_other { OWN } else { alike };
             (1.0 - own) * heavy(m.size.value, std(m)) + own * density(m.size.value, largest)
+        });
+        let without: Vec<f64> = without.collect();
+        // Of each robot: the density in a group at `at` over that outside of it.
+        let ratios = |at: f64| -> Vec<f64> {
+            let of_group = |m: &Member| density(m.size.value - at, std(m).hypot(DIFFER * at));
+            let pairs = members.iter().zip(&without);
+            pairs.map(|(m, without)| of_group(m) / without).collect()
         };
-        let of_group = |m: &Member, at: f64| density(m.size.value - at, std(m).hypot(DIFFER * at));
         let mut stds: Vec<f64> = members.iter().map(std).collect();
         let width = median(&mut stds)?;
         // Robots whose size is all alike are looked at once.
         let mut places: Vec<f64> = members.iter().map(|m| m.size.value).collect();
         places.retain(|at| at.abs() > width);
         places.sort_by(f64::total_cmp);
-        places.dedup_by(|a, b| (*a - *b).abs() < 0.5 * width);
+        places.dedup_by(|a, b| (*a - *b).abs() < 0.5 * width.max(DIFFER * b.abs()));
         let parts: Vec<f64> = (1..)
             .map(|k| 2.0_f64.powi(k))
             .take_while(|k| *k < robots as f64)
             .map(|k| k / robots as f64)
             .chain([1.0 - OWN])
             .collect();
-        let likelihood = |at: f64, part: f64| -> f64 {
-            let of = |m: &Member| (1.0 - part + part * of_group(m, at) / without(m)).ln();
-            // Robots of which nothing is known are not of it.
-            let unknown = (robots - members.len()) as f64 * (1.0 - part).ln();
-            members.iter().map(of).sum::<f64>() + unknown
-        };
         // The mean over π, and the likeliest one.
         let by_part = |at: f64| {
-            let all: Vec<f64> = parts.iter().map(|part| likelihood(at, *part)).collect();
+            let ratios = ratios(at);
+            let likelihood = |part: &f64| -> f64 {
+                let of = |ratio: &f64| (1.0 - part + part * ratio).ln();
+                // Robots of which nothing is known are not of it.
+                let unknown = (robots - members.len()) as f64 * (1.0 - part).ln();
+                ratios.iter().map(of).sum::<f64>() + unknown
+            };
+            let all: Vec<f64> = parts.iter().map(likelihood).collect();
             let best = (0..parts.len()).max_by(|a, b| all[*a].total_cmp(&all[*b]))?;
             let sum: f64 = all.iter().map(|own| (own - all[best]).exp()).sum();
             Some((all[best] + (sum / parts.len() as f64).ln(), at, parts[best]))
@@ -320,13 +322,13 @@ impl Candidate<'_> {
         let places = 2.0 * (near / width + (largest / near).ln() / DIFFER);
         let chance = (looks * places.max(1.0) * (-most).exp()).min(1.0);
         // A robot that may as well have none of it is not told.
-        let belongs = |m: &Member| {
-            let of_group = part * of_group(m, at) > (1.0 - part) * without(m);
-            of_group && m.size.value.abs() > CLEARLY * std(m)
+        let belongs = |k: &usize, ratio: f64| {
+            let m = &members[*k];
+            part * ratio > 1.0 - part && m.size.value.abs() > CLEARLY * std(m)
         };
-        let chosen: Vec<usize> = (0..members.len())
-            .filter(|k| belongs(&members[*k]))
-            .collect();
+        let ratios = ratios(at);
+        let chosen = (0..members.len()).filter(|k| belongs(k, ratios[*k]));
+        let chosen: Vec<usize> = chosen.collect();
         // What no robot's log asks for, in sum, is a bound of a search or the noise of a few days.
         let evidence = chosen.iter().map(|k| members[*k].evidence).sum::<f64>();
         if chance > FALSE_ALARM || chosen.len() < 2 || evidence <= 0.0 {
