@@ -87,9 +87,6 @@ pub(in crate::fleet) const OWN: f64 = 0.05;
 /// So many effects explain much the same. Chosen: an offset of a joint, its scale, and those of the
 /// joints beside it; twice as many asks a batch of three for another half of a deviation each.
 pub(in crate::fleet) const ALIKE: f64 = 5.0;
-/// More days than these know a size no better: some effects have sizes of one sign, and what noise
-/// makes of them does not average out. Chosen: the study of fleets counts robots of four days.
-pub(in crate::fleet) const DAYS: f64 = 4.0;
 /// A robot is told of a group from so many deviations of its own size on. Chosen: half of it tells
 /// robots of which the log says nothing.
 pub(in crate::fleet) const CLEARLY: f64 = 2.0;

@@ -54,7 +54,7 @@ use serde::Serialize;
 use sesc_model::text::listed;
 
 use super::history::{History, Key, found, label, pooled, principal, scored};
-use super::{ALIKE, CLEARLY, DAYS, DIFFER, FALSE_ALARM, OWN};
+use super::{ALIKE, CLEARLY, DIFFER, FALSE_ALARM, OWN};
 use crate::diagnose::subject;
 use crate::diagnose::words::{NamedValue, spoken};
 use crate::diagnose::{CLASS_SCORE, TOLD_APART};
@@ -222,14 +222,9 @@ fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
             .filter_map(|found| Some((found.away(&parameter)?, found.evidence)))
             .unzip();
         let (size, _) = pooled(&sizes)?;
-        let mut of_day: Vec<f64> = sizes.iter().map(|size| size.std).collect();
-        let least = median(&mut of_day)? / DAYS.sqrt();
         Some(Member {
             robot: history.robot,
-            size: Size {
-                std: size.std.max(least),
-                ..size
-            },
+            size,
             days: sizes,
             evidence: evidence.iter().sum(),
             best: 0.0,
