@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use serde::de::DeserializeOwned;
 use sesc::report::fleet as report;
 use sesc_identify::fleet::summary::{Summary, summary};
-use sesc_identify::fleet::{self, Fleet, Group, Input, Options, Request, Row, Store};
+use sesc_identify::fleet::{self, Fleet, Group, Input, Options, Request, Store};
 use sesc_identify::robot;
 
 use crate::calls::{Stopped, checked, detached, watched};
@@ -179,15 +179,10 @@ impl FleetFound {
         detached(py, || compact(&self.fleet))
     }
 
-    /// The rows as JSON, a list of objects with the columns of the table.
+    /// The rows as JSON, a list of lists of values in the order of `FLEET_COLUMNS`.
     fn rows(&self, py: Python<'_>) -> PyResult<String> {
         detached(py, || {
-            let of_table = |row: &Row| {
-                let mut row = row.clone();
-                row.covariance = Vec::new();
-                row
-            };
-            compact(&self.fleet.rows.iter().map(of_table).collect::<Vec<Row>>())
+            compact(&self.fleet.rows.iter().map(fleet::cells).collect::<Vec<_>>())
         })
     }
 

@@ -396,8 +396,10 @@ pub const COLUMNS: [&str; 17] = [
     "version",
 ];
 
-/// A row's values in the order of the columns.
-fn cells(row: &Row) -> [Value; COLUMNS.len()] {
+/// A row's values in the order of [`COLUMNS`]: lists, numbers and texts, `effects` and `health` as
+/// JSON texts.
+#[must_use]
+pub fn cells(row: &Row) -> [Value; COLUMNS.len()] {
     let mut all = serde_json::to_value(row).unwrap_or_default();
     let text = |list: serde_json::Result<String>| list.unwrap_or_default().into();
     COLUMNS.map(|column| match column {

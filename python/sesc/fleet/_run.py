@@ -46,10 +46,7 @@ class Fleet:
         #: The robot, and the options as JSON.
         self._asked = asked
         self._about: dict[str, Any] = json.loads(found.json())
-        self.rows: list[dict[str, Any]] = json.loads(found.rows())
-        for row in self.rows:
-            for name in ("effects", "health"):
-                row[name] = json.dumps(row[name], separators=(",", ":"), ensure_ascii=False)
+        self.rows: list[dict[str, Any]] = [dict(zip(COLUMNS, row)) for row in json.loads(found.rows())]
 
     def columns(self) -> dict[str, list[Any]]:
         """The table, by column.
