@@ -348,7 +348,7 @@ class FleetFound:
     def packed(self) -> str:
         """Everything that was found, for `unpacked`."""
     def rows(self) -> str:
-        """The rows as JSON, a list of objects with the columns of the table."""
+        """The rows as JSON, a list of lists of values in the order of `FLEET_COLUMNS`."""
     def json(self) -> str:
         """What `sesc fleet --json` prints."""
     def text(self) -> str:
