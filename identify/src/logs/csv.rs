@@ -264,25 +264,16 @@ impl RowSource for CsvSource {
     // By the length of the rows so far; the row in which these bytes end is passed over, too.
     fn skip(&mut self, _: &Columns, rows: u64) -> Result<(), Error> {
         let length = self.bytes as f64 / self.lines.max(1) as f64;
-        let mut left = (length * rows as f64) as usize;
-        let mut pass = || -> io::Result<()> {
-            while left > 0 {
-                let bytes = self.input.fill_buf()?;
-                let n = bytes.len().min(left);
-                self.lines += bytes[..n].iter().filter(|byte| **byte == b'\n').count() as u64;
-                self.bytes += n as u64;
-                self.input.consume(n);
-                left -= n;
-                if left == 0 || n == 0 {
-                    let rest = self.input.skip_until(b'\n')?;
-                    self.lines += u64::from(rest > 0);
-                    self.bytes += rest as u64;
-                    break;
-                }
-            }
-            Ok(())
-        };
-        pass().map_err(|error| self.error((self.lines + 1, unreadable(&error))))
+        let end = self.bytes + (length * rows as f64) as u64;
+        let mut more = end > self.bytes;
+        while more && self.bytes <= end {
+            let passed = self.input.skip_until(b'\n');
+            let n = passed.map_err(|error| self.error((self.lines + 1, unreadable(&error))))?;
+            more = n > 0;
+            self.bytes += n as u64;
+            self.lines += u64::from(more);
+        }
+        Ok(())
     }
 
     fn progress(&self) -> (u64, Option<u64>) {
@@ -378,20 +369,13 @@ pub(crate) fn delimiter(head: &[u8], start: usize) -> Result<u8, String> {
     if head.contains(&0) {
         return Err("not text; is this a CSV file?".into());
     }
-    let known = *b",;\t";
-    let mut counts = [0usize; 3];
-    let unquoted = head[start..]
-        .split(|byte| *byte == b'"')
-        .step_by(2)
-        .flatten();
-    for byte in unquoted.take_while(|byte| !matches!(byte, b'\n' | b'\r')) {
-        if let Some(k) = known.iter().position(|delimiter| delimiter == byte) {
-            counts[k] += 1;
-        }
-    }
+    let unquoted = head[start..].split(|byte| *byte == b'"').step_by(2);
+    let line = unquoted
+        .flatten()
+        .take_while(|byte| !matches!(byte, b'\n' | b'\r'));
+    let count = |delimiter: &u8| line.clone().filter(|byte| *byte == delimiter).count();
     // The comma among equals.
-    let most = (0..3).rev().max_by_key(|k| counts[*k]).unwrap_or(0);
-    Ok(known[most])
+    Ok(b"\t;,".iter().copied().max_by_key(count).unwrap_or(b','))
 }
 
 fn unreadable(error: &io::Error) -> String {

@@ -14,8 +14,9 @@ const NO_POSITIONS: &str = "velocity vel speed qd qdd dq effort torque tau curre
                             target desired reference error";
 
 /// Names for a message, a dozen at most.
-pub(crate) fn list(names: &[&str]) -> String {
-    listed(names.iter().map(|name| format!("`{}`", short(name))), 12)
+pub(crate) fn list(names: impl IntoIterator<Item = impl AsRef<str>>) -> String {
+    let quoted = |name: &str| format!("`{}`", short(name));
+    listed(names.into_iter().map(|name| quoted(name.as_ref())), 12)
 }
 
 /// A piece of a file, cut so that a message stays readable.
@@ -30,16 +31,14 @@ pub(crate) fn short(text: &str) -> String {
 pub(super) fn suggestion<'a>(wrong: &[&str], right: impl Iterator<Item = &'a str>) -> String {
     // Comparing takes time.
     let right: Vec<&str> = right.take(2_000).collect();
-    let found: Vec<String> = wrong
-        .iter()
-        .take(3)
-        .filter_map(|wrong| {
-            nearest(wrong, "", right.iter().copied()).map(|near| format!("`{near}` for `{wrong}`"))
-        })
-        .collect();
-    match found.len() {
-        0 => String::new(),
-        _ => format!("; did you mean {}?", found.join(", ")),
+    let near = wrong.iter().take(3).filter_map(|wrong| {
+        let near = nearest(wrong, "", right.iter().copied())?;
+        Some(format!("`{near}` for `{wrong}`"))
+    });
+    let found = near.collect::<Vec<_>>().join(", ");
+    match found.is_empty() {
+        true => found,
+        false => format!("; did you mean {found}?"),
     }
 }
 
@@ -59,9 +58,8 @@ pub(super) fn meant<'a>(
     }
     let pairs = missing.iter().filter_map(|joint| {
         let mut own = found.remove(joint)?;
-        let rest = |column: &str| column.replacen(joint, " ", 1).to_lowercase();
         let says = |column: &str, words: &str| {
-            let rest = rest(column);
+            let rest = column.replacen(joint, " ", 1).to_lowercase();
             let mut parts = rest.split(|c: char| !c.is_alphanumeric());
             parts.any(|part| words.split(' ').any(|word| word == part))
         };
@@ -69,10 +67,8 @@ pub(super) fn meant<'a>(
         if own.len() > 1 {
             own.retain(|column| says(column, POSITIONS));
         }
-        match own[..] {
-            [one] => Some((one, *joint)),
-            _ => None,
-        }
+        let [one] = own[..] else { return None };
+        Some((one, *joint))
     });
     pairs.take(100).collect()
 }
@@ -104,8 +100,8 @@ mod tests {
 
     #[test]
     fn lists_and_pieces_stay_short() {
-        assert_eq!(list(&["a", "b"]), "`a`, `b`");
-        assert!(list(&["x"; 20]).ends_with("and 8 more"));
+        assert_eq!(list(["a", "b"]), "`a`, `b`");
+        assert!(list(["x"; 20]).ends_with("and 8 more"));
         assert_eq!(short(&"é".repeat(500)).chars().count(), LONGEST + 1);
     }
 

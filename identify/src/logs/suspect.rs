@@ -164,26 +164,26 @@ impl Suspicions {
 
     /// What was noticed.
     pub fn judge(&self) -> impl Iterator<Item = Message> {
-        let found = [
-            self.degrees(),
-            self.radians(),
-            self.swapped().map(Message::from),
-            self.millimetres().map(Message::from),
-            self.backwards.map(|line| {
-                let remedy = "sort the log by time if it is one motion";
-                Message::from(format!("row {line}: `{T}` runs backwards; {remedy}"))
-            }),
-            self.all_the_same().map(Message::from),
-            self.other_unit().map(Message::from),
-            self.unusable().map(Message::from),
-        ];
+        let backwards = self.backwards.map(|line| {
+            format!("row {line}: `{T}` runs backwards; sort the log by time if it is one motion")
+        });
+        let of_time = [self.all_the_same(), self.other_unit(), self.unusable()];
+        let of_time = of_time.into_iter().filter(|_| self.rows >= FEW);
+        let of_columns = [self.swapped(), self.millimetres(), backwards];
+        let said = of_columns.into_iter().chain(of_time).flatten();
+        let of_angles = [self.degrees(), self.radians()].into_iter().flatten();
         let file = format!("{}: ", self.file);
-        let found = found.into_iter().flatten();
+        let found = of_angles.chain(said.map(Message::from));
         found.map(move |found| found.after(&file))
     }
 
     fn revolute(&self) -> impl Iterator<Item = &Joint> {
         self.joints.iter().filter(|joint| !joint.prismatic)
+    }
+
+    /// Angles other than zero.
+    fn nonzero(&self) -> u64 {
+        self.revolute().map(|joint| joint.nonzero).sum()
     }
 
     /// Largest angle of a revolute joint, rad.
@@ -200,9 +200,9 @@ impl Suspicions {
     /// Radians that look like degrees: whole numbers, or far beyond the limits
     /// of most joints.
     fn degrees(&self) -> Option<Message> {
-        let nonzero: u64 = self.revolute().map(|joint| joint.nonzero).sum();
         let whole: u64 = self.revolute().map(|joint| joint.whole).sum();
         let straying = self.revolute().filter(|joint| self.strays(joint)).count();
+        let nonzero = self.nonzero();
         let why = if nonzero >= FEW && 10 * whole > 9 * nonzero && self.largest() >= 2.0 {
             "nearly all angles are whole numbers"
         } else if straying > 2 && 2 * straying > self.revolute().count() {
@@ -217,14 +217,12 @@ impl Suspicions {
     /// Degrees that look like radians: no joint ever moves by more than π of them.
     fn radians(&self) -> Option<Message> {
         let most = self.largest() * self.per_rad;
-        let nonzero: u64 = self.revolute().map(|joint| joint.nonzero).sum();
-        (self.per_rad != 1.0 && nonzero >= FEW && most <= PI).then(|| {
-            let said = format!("read in degrees, no joint ever moves beyond {most:.2}°");
-            message![
-                format!("{said}; if the log is in radians, leave out "),
-                Setting::Angles,
-                " and `angles = \"deg\"`"
-            ]
+        (self.per_rad != 1.0 && self.nonzero() >= FEW && most <= PI).then(|| {
+            let said = format!(
+                "read in degrees, no joint ever moves beyond {most:.2}°; if the log is in radians, \
+                 leave out "
+            );
+            message![said, Setting::Angles, " and `angles = \"deg\"`"]
         })
     }
 
@@ -235,16 +233,15 @@ impl Suspicions {
             let exchanged = |other: &&Joint| {
                 !std::ptr::eq(*other, stray) && other.fits(stray) && stray.fits(other)
             };
-            let mut partners = self.joints.iter().filter(exchanged);
-            let first = partners.next()?;
-            let own = &stray.name;
-            let mut said = format!("column `{own}` is beyond its joint's limits");
+            let partners: Vec<&Joint> = self.joints.iter().filter(exchanged).collect();
             // One candidate is a finding, several are a guess.
-            if partners.next().is_none() {
-                let fits = &first.name;
-                said += &format!(", but fits `{fits}`, and the other way round");
-            }
-            Some(said)
+            let fits = match partners[..] {
+                [] => return None,
+                [one] => format!(", but fits `{}`, and the other way round", one.name),
+                _ => String::new(),
+            };
+            let own = &stray.name;
+            Some(format!("column `{own}` is beyond its joint's limits{fits}"))
         });
         let pairs: Vec<String> = pairs.take(4).collect();
         (!pairs.is_empty()).then(|| format!("{}; are columns swapped?", pairs.join("; ")))
@@ -262,7 +259,7 @@ impl Suspicions {
 
     /// Said where all rows have one stamp.
     fn all_the_same(&self) -> Option<String> {
-        (self.rows >= FEW && self.shared + 1 == self.rows).then(|| {
+        (self.shared + 1 == self.rows).then(|| {
             format!(
                 "`{T}` is {} in every row: the log says nothing of time, and motion and lasting \
                  noise are not seen; stamp each row, or leave the column out",
@@ -271,26 +268,26 @@ impl Suspicions {
         })
     }
 
-    /// The joints that move, and whether rows follow each other as those of a robot that moves do.
-    fn moving(&self) -> (Vec<&Joint>, bool) {
+    /// The joints that move, and whether rows follow each other smoothly, and by steps that go on:
+    /// postures that are put in order step back and forth.
+    fn moving(&self) -> (Vec<&Joint>, bool, bool) {
         let moves = |joint: &&Joint| joint.about > MOVES * MOVES * self.rows as f64;
         let moving: Vec<&Joint> = self.joints.iter().filter(moves).collect();
         let sum = |of: fn(&Joint) -> f64| moving.iter().map(|joint| of(joint)).sum::<f64>();
-        let smooth = sum(|joint| joint.stepped) < SMOOTH * 2.0 * sum(|joint| joint.about);
-        (moving, smooth)
+        let stepped = sum(|joint| joint.stepped);
+        let smooth = stepped < SMOOTH * 2.0 * sum(|joint| joint.about);
+        let goes_on = sum(|joint| joint.bent) < GOES_ON * stepped;
+        (moving, smooth, goes_on)
     }
 
     /// Said where rows are of a robot that moves and stamps do not say when: its motion is not
     /// counted.
     fn unusable(&self) -> Option<String> {
-        let (moving, smooth) = self.moving();
+        let (_, smooth, goes_on) = self.moving();
         let timed = self.ends[0].is_finite();
         let coarse = timed && self.shared as f64 > SHARED * self.rows as f64;
-        // Postures that are put in order step back and forth; a joint that moves goes on.
-        let sum = |of: fn(&Joint) -> f64| moving.iter().map(|joint| of(joint)).sum::<f64>();
-        let goes_on = sum(|joint| joint.bent) < GOES_ON * sum(|joint| joint.stepped);
         let told = timed && !coarse || self.shared + 1 == self.rows;
-        if self.rows < FEW || told || !goes_on || !smooth {
+        if told || !goes_on || !smooth {
             return None;
         }
         let motion = "rows follow each other as those of a robot that moves do";
@@ -309,12 +306,8 @@ impl Suspicions {
 
     /// Said where stamps are hardly in seconds.
     fn other_unit(&self) -> Option<String> {
-        if self.rows < FEW {
-            return None;
-        }
-        let rows = self.rows as f64;
-        let step = (self.ends[1] - self.ends[0]) / (rows - 1.0);
-        let (moving, smooth) = self.moving();
+        let step = (self.ends[1] - self.ends[0]) / (self.rows as f64 - 1.0);
+        let (moving, smooth, _) = self.moving();
         // Parts of their limits that joints reach.
         let reached = moving.iter().filter(|joint| joint.speed > 0.0);
         let reached = reached.map(|joint| joint.fastest / joint.speed);

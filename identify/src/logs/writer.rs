@@ -45,8 +45,7 @@ impl PostureWriter {
     pub fn create(path: &Path, dofs: &[Dof], columns: Written) -> Result<PostureWriter, Error> {
         check_joints(dofs).map_err(Error::request)?;
         let header = header(dofs, columns);
-        let sink = Sink::create(path, &header)?;
-        Ok(PostureWriter::into_sink(path, columns, sink))
+        PostureWriter::begin(path, columns, Sink::create(path, &header)?, &header)
     }
 
     /// Start a table with the columns [`PREDICTED`], whose rows have a CoM in place of joints;
@@ -55,12 +54,12 @@ impl PostureWriter {
     /// # Errors
     /// Ends of names that stand for something else, folders that cannot be written to.
     pub fn predictions(path: &Path) -> Result<PostureWriter, Error> {
-        let sink = Sink::create(path, &PREDICTED.map(str::to_string))?;
+        let header = PREDICTED.map(str::to_string);
         let columns = Written {
             cop: true,
             ..Written::default()
         };
-        Ok(PostureWriter::into_sink(path, columns, sink))
+        PostureWriter::begin(path, columns, Sink::create(path, &header)?, &header)
     }
 
     /// Start a log of `dofs` as CSV on a stream; `name` stands for it in messages.
@@ -75,10 +74,8 @@ impl PostureWriter {
         columns: Written,
     ) -> Result<PostureWriter, Error> {
         check_joints(dofs).map_err(Error::request)?;
-        let path = Path::new(name);
-        let mut sink = Sink::Stream(Box::new(to));
-        sink.begin(path, &header(dofs, columns))?;
-        Ok(PostureWriter::into_sink(path, columns, sink))
+        let sink = Sink::Stream(Box::new(to));
+        PostureWriter::begin(Path::new(name), columns, sink, &header(dofs, columns))
     }
 
     /// Complete a table that has no sidecar.
@@ -90,13 +87,23 @@ impl PostureWriter {
         Ok(file.map_or(Ok(()), NewFile::finish)?)
     }
 
-    fn into_sink(path: &Path, columns: Written, sink: Sink) -> PostureWriter {
-        PostureWriter {
+    /// Write the names of the columns; a Parquet file has them already.
+    fn begin(
+        path: &Path,
+        columns: Written,
+        mut sink: Sink,
+        header: &[String],
+    ) -> Result<PostureWriter, Error> {
+        let names: Vec<String> = header.iter().map(|name| quoted(name)).collect();
+        let text = names.join(",") + "\n";
+        let written = sink.write(text.as_bytes());
+        written.map_err(|source| files::failed(path, source))?;
+        Ok(PostureWriter {
             path: path.to_path_buf(),
             columns,
             sink,
             text: Vec::new(),
-        }
+        })
     }
 
     /// Append a row.
@@ -134,7 +141,7 @@ impl Sink {
         let end = path.extension().and_then(|end| end.to_str()).unwrap_or("");
         let name = path.display();
         let wrong = |said: &str| Err(Error::request(format!("{name}{said}")));
-        let mut sink = match end.to_ascii_lowercase().as_str() {
+        Ok(match end.to_ascii_lowercase().as_str() {
             "toml" => return wrong(" ends in .toml, which is the sidecar's; use .csv"),
             "mcap" => return wrong(": MCAP is only read; write .csv, .csv.gz or .parquet"),
             "gz" => Sink::Packed(flate2::write::GzEncoder::new(
@@ -143,9 +150,7 @@ impl Sink {
                 flate2::Compression::fast(),
             )),
             #[cfg(feature = "parquet")]
-            "parquet" => {
-                return super::parquet::ParquetSink::create(path, header).map(Sink::Parquet);
-            }
+            "parquet" => Sink::Parquet(super::parquet::ParquetSink::create(path, header)?),
             #[cfg(not(feature = "parquet"))]
             "parquet" => return Err(Error::without("parquet", "Parquet", &name.to_string())),
             "csv" | "" => Sink::Plain(NewFile::create(path)?),
@@ -156,17 +161,7 @@ impl Sink {
                     ": posture logs are written as .csv, .csv.gz or .parquet, not as .{other}"
                 ));
             }
-        };
-        sink.begin(path, header)?;
-        Ok(sink)
-    }
-
-    /// Write the names of the columns.
-    fn begin(&mut self, path: &Path, header: &[String]) -> Result<(), Error> {
-        let names: Vec<String> = header.iter().map(|name| quoted(name)).collect();
-        let text = names.join(",") + "\n";
-        let written = self.write(text.as_bytes());
-        Ok(written.map_err(|source| files::failed(path, source))?)
+        })
     }
 
     /// Write what is left; a file is yet to be moved to its place.

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use super::joints::{LONGEST_S, Track, Waiting};
 use super::{LEAST_LOAD_N, centre};
-use crate::logs::block::{Frame, Share, Soles};
+use crate::logs::block::{Frame, Share};
 use crate::logs::names::short;
 use crate::logs::settings::Options;
 
@@ -108,17 +108,6 @@ impl Wrenches {
     }
 }
 
-impl Pair {
-    /// What is said of it.
-    pub fn sentence(&self) -> String {
-        let [one, other] = [0, 1].map(|k| short(&self.topics[k]));
-        format!(
-            "both contacts are loaded, `{one}` and `{other}`: rows are of both feet together; \
-             choose one foot by `topic = \"…\"` in the sidecar"
-        )
-    }
-}
-
 /// Readings of the support that wait for the other contact.
 pub(super) struct Contacts<R> {
     /// Under which force, N.
@@ -148,32 +137,27 @@ impl<R> Contacts<R> {
         let cop = centre([force, torque]).filter(|cop| cop.iter().all(|x| x.is_finite()));
         let force = cop.map_or(0.0, |_| force[2].abs());
         let [x, y] = cop.unwrap_or([0.0; 2]).map(|x| force * x);
-        let first = self.waiting.first().map_or(t, |at| at.min(t));
-        self.others.push(t, [force, x, y], first - LONGEST_S);
+        let first = self.waiting.first(t) - LONGEST_S;
+        self.others.push(t, [force, x, y], first);
     }
 
     /// The next reading with what the other contact has; of the last ones where the recording has
     /// `ended`.
     pub fn next(&mut self, ended: bool) -> Option<(R, Share)> {
-        while let Some(t) = self.waiting.first() {
-            if !ended && self.others.0.back().is_none_or(|(last, _)| *last < t) {
-                return None;
+        let others = &self.others;
+        let is_known = |t: f64| ended || others.0.back().is_some_and(|(last, _)| *last >= t);
+        loop {
+            let known = self.waiting.next(is_known, |t| between(others, t))?;
+            let ((own, reading), [force, x, y]) = known;
+            if force >= LEAST_LOAD_N {
+                let share = Share {
+                    share: force / (own + force),
+                    cop: [x, y].map(|moment| moment / force),
+                };
+                return Some((reading, share));
             }
-            let other = self.at(t);
-            let (_, (own, reading)) = self.waiting.readings.pop_front()?;
-            match other {
-                None => self.waiting.left_out += 1,
-                Some([force, ..]) if force < LEAST_LOAD_N => self.lifted += 1,
-                Some([force, x, y]) => {
-                    let share = Share {
-                        share: force / (own + force),
-                        cop: [x, y].map(|moment| moment / force),
-                    };
-                    return Some((reading, share));
-                }
-            }
+            self.lifted += 1;
         }
-        None
     }
 
     /// What is said of `readings` that were left out.
@@ -186,25 +170,21 @@ impl<R> Contacts<R> {
             )
         })
     }
+}
 
-    /// The other contact at time `t`; none where no messages are near enough.
-    fn at(&self, t: f64) -> Option<[f64; 3]> {
-        let [before, after] = self.others.around(t)?.map(|k| self.others.0[k]);
-        let part = match after.0 - before.0 {
-            0.0 => 0.0,
-            time => (t - before.0) / time,
-        };
-        let between = |k: usize| before.1[k] + part * (after.1[k] - before.1[k]);
-        Some([0, 1, 2].map(between))
-    }
+/// The other contact at time `t`; none where no messages are near enough.
+fn between(others: &Track<3>, t: f64) -> Option<[f64; 3]> {
+    let [before, after] = others.around(t)?.map(|k| others.0[k]);
+    let part = match after.0 - before.0 {
+        0.0 => 0.0,
+        time => (t - before.0) / time,
+    };
+    Some([0, 1, 2].map(|k| before.1[k] + part * (after.1[k] - before.1[k])))
 }
 
 /// What is known of frames.
 pub(super) struct Frames {
-    soles: Option<Arc<dyn Soles>>,
-    /// What was asked for, if it was.
-    support: Option<String>,
-    links: Vec<String>,
+    options: Options,
     /// Frames that came: the link that stands, empty where nothing says it, and how readings are
     /// moved to it.
     known: HashMap<String, (Arc<str>, Option<Frame>)>,
@@ -215,9 +195,7 @@ pub(super) struct Frames {
 impl Frames {
     pub fn new(options: &Options) -> Frames {
         Frames {
-            soles: options.soles.clone(),
-            support: options.support.clone(),
-            links: options.links.clone(),
+            options: options.clone(),
             known: HashMap::new(),
             odd: Vec::new(),
         }
@@ -236,36 +214,34 @@ impl Frames {
         judged
     }
 
-    fn judge(&mut self, frame: &str) -> (String, Option<Frame>) {
-        let support = self.support.as_deref();
-        if frame.is_empty() || self.links.is_empty() {
-            return Default::default();
+    fn judge<'a>(&'a mut self, frame: &'a str) -> (&'a str, Option<Frame>) {
+        let Options { support, links, .. } = &self.options;
+        let support = support.as_deref();
+        if frame.is_empty() || links.is_empty() {
+            return ("", None);
         }
-        if support != Some(frame) && !self.links.iter().any(|link| link == frame) {
+        if support != Some(frame) && !links.iter().any(|link| link == frame) {
             let sole = support.map_or("the support".to_string(), |own| format!("`{}`", short(own)));
             self.odd.push(format!(
                 "readings are in the frame `{}`, which the URDF does not have: they are taken as \
                  those about the origin of {sole}",
                 short(frame)
             ));
-            return Default::default();
+            return ("", None);
         }
-        let Some(support) = support.filter(|own| *own != frame) else {
-            return (frame.to_string(), None);
+        let other = support.filter(|own| *own != frame);
+        let soles = self.options.soles.as_ref().zip(other);
+        let Some((support, moved)) =
+            soles.and_then(|(soles, support)| Some((support, soles.fixed(support, frame)?)))
+        else {
+            return (frame, None);
         };
-        let moved = self
-            .soles
-            .as_ref()
-            .and_then(|soles| soles.fixed(support, frame));
-        if moved.is_none() {
-            return (frame.to_string(), None);
-        }
         self.odd.push(format!(
             "readings are in the frame `{}` and are moved to `{}`, of the same body, by the URDF",
             short(frame),
             short(support)
         ));
-        (support.to_string(), moved)
+        (support, Some(moved))
     }
 }
 

@@ -42,7 +42,8 @@ pub(super) struct States {
     held: Option<State>,
     /// Positions of the last state that was left out: one sender repeats itself.
     foreign: Vec<(usize, f64)>,
-    seen: u64,
+    /// Messages.
+    pub seen: u64,
     left_out: u64,
     /// The first leap, in words.
     leap: String,
@@ -63,12 +64,13 @@ impl States {
     pub fn new(names: &[String], dofs: &[Dof]) -> States {
         let joint = |name: &String| {
             let dof = dofs.iter().find(|dof| dof.joint.trim() == name);
-            let limit = dof.map_or(0.0, |dof| dof.speed);
-            let is_limited = limit > 0.0 && limit.is_finite();
+            let limit = dof.map(|dof| dof.speed);
             Joint {
                 name: name.clone(),
                 endless: dof.is_some_and(|dof| dof.continuous),
-                limit: if is_limited { limit } else { FASTEST_RAD_S },
+                limit: limit
+                    .filter(|limit| *limit > 0.0 && limit.is_finite())
+                    .unwrap_or(FASTEST_RAD_S),
                 t: f64::NAN,
                 q: f64::NAN,
             }
@@ -95,10 +97,8 @@ impl States {
             }
         }
         // The one before is where the joints are, unless it is left out.
-        let held = self
-            .held
-            .take()
-            .filter(|held| !self.is_foreign(held, t, &q));
+        let held = self.held.take();
+        let held = held.filter(|held| !self.is_foreign(held, t, &q));
         if let Some(held) = &held {
             for (place, q) in &held.q {
                 (self.joints[*place].t, self.joints[*place].q) = (held.t, *q);
@@ -261,9 +261,29 @@ impl<R> Waiting<R> {
         }
     }
 
-    /// Time of the next reading.
-    pub fn first(&self) -> Option<f64> {
-        self.readings.front().map(|(t, _)| *t)
+    /// Time before which nothing is needed: that of the next reading, where one waits at time `t`.
+    pub fn first(&self, t: f64) -> f64 {
+        self.readings.front().map_or(t, |(at, _)| at.min(t))
+    }
+
+    /// The next reading once something `is_known` at its time, with what that is; a reading without
+    /// is left out.
+    pub fn next<T>(
+        &mut self,
+        is_known: impl Fn(f64) -> bool,
+        at: impl Fn(f64) -> Option<T>,
+    ) -> Option<(R, T)> {
+        while let Some((t, reading)) = self.readings.pop_front() {
+            if !is_known(t) {
+                self.readings.push_front((t, reading));
+                return None;
+            }
+            match at(t) {
+                Some(found) => return Some((reading, found)),
+                None => self.left_out += 1,
+            }
+        }
+        None
     }
 }
 
@@ -283,8 +303,8 @@ impl<R> Moving<R> {
 
     /// A position of a joint at time `t`.
     pub fn position(&mut self, joint: usize, t: f64, q: f64) {
-        let first = self.waiting.first().map_or(t, |at| at.min(t));
-        self.joints[joint].push(t, [q], first - KEPT_S);
+        let first = self.waiting.first(t) - KEPT_S;
+        self.joints[joint].push(t, [q], first);
     }
 
     /// A reading at time `t`.
@@ -299,23 +319,16 @@ impl<R> Moving<R> {
 
     /// The next reading whose joints are known, and these; of the last ones where the recording has
     /// `ended`.
-    pub fn next(&mut self, ended: bool) -> Option<(Vec<f64>, R)> {
-        while let Some(t) = self.waiting.first() {
-            let past = |own: &Track<1>| {
-                let after = own.0.len().checked_sub(SIDE);
-                after.is_some_and(|k| k > 0 && own.0[k].0 >= t)
-            };
-            if !ended && !self.joints.iter().all(past) {
-                return None;
-            }
-            let q: Option<Vec<f64>> = self.joints.iter().map(|own| between(own, t)).collect();
-            let (_, reading) = self.waiting.readings.pop_front()?;
-            match q {
-                Some(q) => return Some((q, reading)),
-                None => self.waiting.left_out += 1,
-            }
-        }
-        None
+    pub fn next(&mut self, ended: bool) -> Option<(R, Vec<f64>)> {
+        let joints = &self.joints;
+        let is_past = |own: &Track<1>, t: f64| {
+            let after = own.0.len().checked_sub(SIDE);
+            after.is_some_and(|k| k > 0 && own.0[k].0 >= t)
+        };
+        self.waiting.next(
+            |t| ended || joints.iter().all(|own| is_past(own, t)),
+            |t| joints.iter().map(|own| between(own, t)).collect(),
+        )
     }
 }
 
@@ -344,7 +357,7 @@ mod tests {
         0.3 - t + 0.5 * t * t - 2.0 * t * t * t
     }
 
-    fn rows(moving: &mut Moving<f64>, ended: bool) -> Vec<(Vec<f64>, f64)> {
+    fn rows(moving: &mut Moving<f64>, ended: bool) -> Vec<(f64, Vec<f64>)> {
         std::iter::from_fn(|| moving.next(ended)).collect()
     }
 
@@ -362,7 +375,7 @@ mod tests {
         }
         assert!(found.len() > 90, "{}", found.len());
         found.extend(rows(&mut moving, true));
-        for (own, t) in &found[2..found.len() - 2] {
+        for (t, own) in &found[2..found.len() - 2] {
             assert!((own[0] - q(*t)).abs() < 1e-12, "{t}: {own:?}");
             assert!((own[1] + q(*t)).abs() < 1e-12, "{t}: {own:?}");
         }
@@ -379,7 +392,7 @@ mod tests {
             moving.reading(t, t);
         }
         let found = rows(&mut moving, true);
-        let joints: Vec<f64> = found.iter().map(|row| row.0[0]).collect();
+        let joints: Vec<f64> = found.iter().map(|row| row.1[0]).collect();
         assert_eq!(joints, [0.1, 1.1, 2.1, 3.1, 4.1]);
     }
 
@@ -391,9 +404,9 @@ mod tests {
             moving.reading(at, at);
         }
         let found = rows(&mut moving, true);
-        let kept: Vec<f64> = found.iter().map(|row| row.1).collect();
+        let kept: Vec<f64> = found.iter().map(|row| row.0).collect();
         assert_eq!((kept, moving.left_out()), (vec![0.05, 0.95], 2));
-        assert!((found[1].0[0] - 0.95).abs() < 1e-12);
+        assert!((found[1].1[0] - 0.95).abs() < 1e-12);
     }
 
     /// Readings without joints, and joints without readings, do not pile up.

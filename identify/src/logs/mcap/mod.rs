@@ -79,7 +79,7 @@ struct Ready {
 /// A recording being read.
 pub(super) struct McapSource {
     file: String,
-    records: Records<Metered>,
+    records: Records,
     header: Vec<String>,
     survey: Survey,
     joints: States,
@@ -92,8 +92,7 @@ pub(super) struct McapSource {
     /// Joints and readings, where the recording is one of a robot that moves.
     moving: Option<Moving<Reading>>,
     ready: VecDeque<Ready>,
-    /// Messages of joints, and those that name a joint without its position.
-    states: u64,
+    /// Messages that name a joint without its position.
     without_positions: u64,
     readings: u64,
     /// Readings that are not numbers.
@@ -119,7 +118,12 @@ impl McapSource {
         let survey = Survey::of(start()?, dofs, topics, options).map_err(bad)?;
         let mut warnings = Vec::new();
         if let Some(pair) = &survey.pair {
-            warnings.push(format!("{file}: {}", pair.sentence()).into());
+            let [one, other] = [0, 1].map(|k| short(&pair.topics[k]));
+            let warning = format!(
+                "{file}: both contacts are loaded, `{one}` and `{other}`: rows are of both feet \
+                 together; choose one foot by `topic = \"…\"` in the sidecar"
+            );
+            warnings.push(warning.into());
         }
         let mut moves = survey.topic.is_some() && options.stays == Stays::Moving;
         if survey.topic.is_some() && matches!(options.stays, Stays::Pooled | Stays::Apart) {
@@ -150,7 +154,7 @@ impl McapSource {
     /// A recording from its start on.
     fn new(
         file: &str,
-        records: Records<Metered>,
+        records: Records,
         survey: Survey,
         dofs: &[Dof],
         options: &Options,
@@ -174,7 +178,6 @@ impl McapSource {
             cutter: StillnessCutter::new(limits_of(options.stays)),
             moving: None,
             ready: VecDeque::new(),
-            states: 0,
             without_positions: 0,
             readings: 0,
             no_numbers: 0,
@@ -194,8 +197,10 @@ impl McapSource {
     /// The next row; none at the end.
     fn next_row(&mut self) -> Result<Option<Ready>, Error> {
         while self.ready.is_empty() && !self.ended {
-            let advanced = self.advance();
-            let advanced = advanced.and_then(|more| if more { Ok(()) } else { self.conclude() });
+            let advanced = match self.advance() {
+                Ok(false) => self.conclude(),
+                other => other.map(drop),
+            };
             advanced.map_err(|message| Error::log(self.file.clone(), None, message))?;
         }
         Ok(self.ready.pop_front())
@@ -217,7 +222,6 @@ impl McapSource {
             let topics = &self.survey.joint_topics;
             if topics.is_empty() || topics.contains_key(topic) {
                 let (t, _, state) = message.decoded(JointState::decode)?;
-                self.states += 1;
                 self.without_positions += u64::from(state.misses_positions);
                 let before = self.joints.push(t, &state);
                 self.joints_are(before);
@@ -316,7 +320,7 @@ impl McapSource {
         }
         // Rows of a robot that moves, whose joints are known by now.
         let next = |moving: &mut Moving<Reading>| moving.next(self.ended);
-        while let Some((q, reading)) = self.moving.as_mut().and_then(next) {
+        while let Some((reading, q)) = self.moving.as_mut().and_then(next) {
             self.postures += 1;
             self.ready.push_back(Ready {
                 pose: reading.number as i64,
@@ -364,22 +368,23 @@ impl McapSource {
                 None => self.cutter.stillness.nothing(),
             });
         }
-        let mut count = |count: u64, of: u64, what: &str| {
-            said.extend((count > 0).then(|| format!("{count} of {of} {what}")));
-        };
+        let left_out = self.moving.as_ref().map_or(0, Moving::left_out);
         let apart = format!(
             "readings lie between no joint states that are at most {LONGEST_S} s apart, and are \
              left out"
         );
-        let left_out = self.moving.as_ref().map_or(0, Moving::left_out);
-        count(left_out, self.readings, &apart);
         let missing = "joint states name a joint without its position; the joint is where the next \
                        one says";
-        count(self.without_positions, self.states, missing);
         let none = "readings are no numbers and are left out";
-        count(self.no_numbers, self.readings, none);
         let light = format!("readings had less than {LEAST_LOAD_N} N on the sole and are left out");
-        count(self.airborne, self.readings, &light);
+        for (count, of, what) in [
+            (left_out, self.readings, &*apart),
+            (self.without_positions, self.joints.seen, missing),
+            (self.no_numbers, self.readings, none),
+            (self.airborne, self.readings, &*light),
+        ] {
+            said.extend((count > 0).then(|| format!("{count} of {of} {what}")));
+        }
         said.extend(self.contacts.conclude(self.readings));
         let named = said.iter().map(|said| format!("{}: {said}", self.file));
         self.warnings.extend(named.map(Message::from));

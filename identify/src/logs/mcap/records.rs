@@ -18,6 +18,7 @@ use mcap::{McapError, McapResult, parse_record};
 
 use super::cdr::Header;
 use super::{POINT, STATE, WRENCH};
+use crate::logs::input::Metered;
 use crate::logs::names::short;
 
 /// Larger records are refused, bytes. Recorders write chunks of about 1 MiB,
@@ -39,14 +40,14 @@ pub(super) struct Channel {
 }
 
 /// A message.
-pub(super) struct Message<'a> {
+pub(super) struct Message {
     pub channel: Arc<Channel>,
     /// s
     log_time: f64,
-    data: &'a [u8],
+    data: Vec<u8>,
 }
 
-impl Message<'_> {
+impl Message {
     /// Its time, s, and what `decode` makes of its bytes.
     ///
     /// # Errors
@@ -57,7 +58,7 @@ impl Message<'_> {
     ) -> Result<(f64, String, T), String> {
         let channel = &self.channel;
         let decoded = match channel.encoding.as_str() {
-            "cdr" => decode(self.data),
+            "cdr" => decode(&self.data),
             other => Err(format!(
                 "messages written as `{}`; record with ROS 2, which writes `cdr`",
                 short(other)
@@ -71,20 +72,18 @@ impl Message<'_> {
 }
 
 /// The records of a file.
-pub(super) struct Records<R> {
-    pub input: R,
+pub(super) struct Records {
+    pub input: Metered,
     reader: LinearReader,
     schemas: HashMap<u16, String>,
     channels: HashMap<u16, Arc<Channel>>,
     /// Bytes of names that were kept.
     names: usize,
-    /// Bytes of the message that was read last.
-    data: Vec<u8>,
 }
 
-impl<R: Read> Records<R> {
+impl Records {
     /// Start at the magic.
-    pub fn new(mut input: R) -> Result<Records<R>, String> {
+    pub fn new(mut input: Metered) -> Result<Records, String> {
         let mut magic = [0; 8];
         input.read_exact(&mut magic).map_err(|e| unread(&e))?;
         if magic != mcap::MAGIC {
@@ -109,12 +108,11 @@ impl<R: Read> Records<R> {
             schemas: HashMap::new(),
             channels: HashMap::new(),
             names: 0,
-            data: Vec::new(),
         })
     }
 
     /// The next message of joints or of a CoP; nothing at the end of the file.
-    pub fn next(&mut self) -> Result<Option<Message<'_>>, String> {
+    pub fn next(&mut self) -> Result<Option<Message>, String> {
         while let Some(event) = self.reader.next_event() {
             let (opcode, content) = match event.map_err(fault)? {
                 LinearReadEvent::Record { opcode, data } => (opcode, data),
@@ -160,12 +158,10 @@ impl<R: Read> Records<R> {
                     let channel = self.channels.get(&header.channel_id);
                     let read = |own: &&Arc<Channel>| [STATE, WRENCH, POINT].contains(&&*own.schema);
                     if let Some(channel) = channel.filter(read) {
-                        self.data.clear();
-                        self.data.extend_from_slice(&data);
                         return Ok(Some(Message {
                             channel: Arc::clone(channel),
                             log_time: header.log_time as f64 * 1e-9,
-                            data: &self.data,
+                            data: data.into_owned(),
                         }));
                     }
                 }

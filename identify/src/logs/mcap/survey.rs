@@ -1,7 +1,6 @@
 //! A first look at a recording: which joints and which CoP it has.
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};
-use std::io::Read;
 
 use sesc_model::tree::Dof;
 use sesc_model::urdf::suggestion;
@@ -39,8 +38,8 @@ pub(super) struct Survey {
 
 impl Survey {
     /// Read until every joint and a reading were seen, and some messages on.
-    pub fn of<R: Read>(
-        mut records: Records<R>,
+    pub fn of(
+        mut records: Records,
         dofs: &[Dof],
         [topic, joints_topic]: [Option<&str>; 2],
         options: &Options,
@@ -93,7 +92,7 @@ impl Survey {
             let named = |channel: &Channel| format!("{} ({})", channel.topic, channel.schema);
             let mut topics: Vec<String> = records.channels().map(named).collect();
             topics.sort();
-            list(&topics.iter().map(String::as_str).collect::<Vec<_>>())
+            list(topics)
         };
         if seen.is_empty() {
             let on = joints_topic.map_or(String::new(), |topic| format!(" on topic `{topic}`"));
