@@ -378,51 +378,77 @@ fn first_support(first: Option<&Samples>, robot: &Robot) -> Result<String, Error
 
 #[cfg(test)]
 mod tests {
-    use std::io;
+    use std::fs::{self, OpenOptions};
+    use std::io::Write as _;
+    use std::ops::ControlFlow;
+    use std::path::{Path, PathBuf};
     use std::sync::Arc;
-    use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::super::{Request, gather};
     use crate::logs::{LogSource, ROOM};
     use crate::robot::{ROD, Robot};
+    use crate::{Progress, Watch};
 
-    /// How often a log that is too long to be kept is opened, and what is said where opening
-    /// number `broken` fails.
-    fn gathered(broken: usize) -> (usize, Option<String>) {
+    /// Counts how often a log is read, and adds to its file in pass number `broken`.
+    struct Passes {
+        path: PathBuf,
+        done: u64,
+        count: usize,
+        broken: usize,
+    }
+
+    impl Watch for Passes {
+        fn progress(&mut self, progress: Progress) -> ControlFlow<()> {
+            self.count += usize::from(progress.done < self.done);
+            self.done = progress.done;
+            if self.count == self.broken {
+                let mut file = OpenOptions::new().append(true).open(&self.path).unwrap();
+                file.write_all(b"more").unwrap();
+                self.broken = usize::MAX;
+            }
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// How often the log at `path`, of `text`, is read, and what is said where it changes in pass
+    /// number `broken`.
+    fn gathered(path: &Path, text: &str, broken: usize) -> (usize, Option<String>) {
+        fs::write(path, text).unwrap();
+        let request = Request {
+            robot: Some(Arc::new(Robot::parse(ROD, "rod.urdf").unwrap())),
+            logs: vec![LogSource::from(path)],
+            support: Some("foot".into()),
+            ..Request::default()
+        };
+        let mut passes = Passes {
+            path: path.to_path_buf(),
+            done: 0,
+            count: 0,
+            broken,
+        };
+        let error = gather(&request, &mut passes).err();
+        let error = error.map(|error| format!("{error:?}"));
+        (passes.count + 1, error)
+    }
+
+    /// A log that is too long to be kept.
+    #[test]
+    fn a_log_that_changes_in_any_pass_is_an_error() {
         let row = |k: u32| {
             let q = (0.7 * f64::from(k)).sin();
             format!("{k},{q},{},0\n", 0.11 * q.sin())
         };
         // Rows of one joint and what is beside it.
         let rows = (0..(ROOM / 9 + 1000) as u32).map(row).collect::<String>();
-        let text = Arc::new("pose,hip,cop_x,cop_y\n".to_string() + &rows);
-        let opened = Arc::new(AtomicUsize::new(0));
-        let counter = Arc::clone(&opened);
-        let stream = LogSource::stream("run.csv", move || {
-            if counter.fetch_add(1, Ordering::Relaxed) == broken {
-                return Err(io::Error::other("the line broke"));
-            }
-            Ok(io::Cursor::new(text.as_bytes().to_vec()))
-        });
-        let request = Request {
-            robot: Some(Arc::new(Robot::parse(ROD, "rod.urdf").unwrap())),
-            logs: vec![stream],
-            support: Some("foot".into()),
-            ..Request::default()
-        };
-        let error = gather(&request, &mut ()).err();
-        let error = error.map(|error| format!("{error:?}"));
-        (opened.load(Ordering::Relaxed), error)
-    }
-
-    #[test]
-    fn a_log_that_breaks_in_any_pass_is_an_error() {
-        let (passes, error) = gathered(usize::MAX);
+        let text = "pose,hip,cop_x,cop_y\n".to_string() + &rows;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.csv");
+        let (passes, error) = gathered(&path, &text, usize::MAX);
         assert!(passes > 2 && error.is_none(), "{passes}: {error:?}");
         for broken in 0..passes {
-            let (_, error) = gathered(broken);
+            let (_, error) = gathered(&path, &text, broken);
             let error = error.unwrap_or_else(|| panic!("pass {broken} of {passes}"));
-            assert!(error.contains("the line broke"), "{error}");
+            assert!(error.contains("it changed while it was read"), "{error}");
         }
     }
 }

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF as _, FisherSnedecor};
 
 use crate::Error;
-use crate::logs::{Block, Rows as LogRows};
+use crate::logs::{Block, PostureReader};
 use crate::observations::correlation::{self, Correlation, Process};
 use crate::observations::criteria::repeats::UNLIKELY;
 use crate::observations::grouping::{DOWN, Grouping};
@@ -84,7 +84,7 @@ impl Timing {
     /// # Errors
     /// What is wrong with the log.
     pub fn read(
-        log: &mut LogRows,
+        log: &mut PostureReader,
         measurement: &mut Measurement<'_>,
         (folds, own_axes): (usize, bool),
         motion: MotionModel,

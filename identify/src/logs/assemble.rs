@@ -28,7 +28,7 @@ use sesc_model::spelling::nearest;
 use sesc_model::text::listed;
 use sesc_model::tree::{Dof, is_support};
 
-use super::block::{Block, Cells};
+use super::block::Block;
 use super::bounds::{Bound, LEAST_LOAD_N, check_cop, three_digits};
 use super::columns::{Columns, POSE};
 use super::names::{list, short};
@@ -41,15 +41,11 @@ pub(super) struct Assembler {
     pub file: String,
     /// Those without a value are none, once the first rows were seen.
     pub columns: Columns,
-    bounds: Vec<Bound>,
     /// Whether a joint turns without end.
     endless: Vec<bool>,
-    cells: Vec<[f64; 2]>,
+    sidecar: Sidecar,
+    options: Options,
     support: Option<Arc<str>>,
-    gravity: Option<[f64; 3]>,
-    links: Vec<String>,
-    readings_per_pose: u64,
-    any_unit: bool,
     /// 1/√readings of a row, once the first rows were seen.
     shrink: f64,
     /// Rows without load on the cells are no fault; their reading is zero.
@@ -83,14 +79,10 @@ impl Assembler {
         let support = options.support.as_deref().or(sidecar.support.as_deref());
         let assembler = Assembler {
             file: file.to_string(),
-            bounds: Bound::all(&columns, dofs, options.any_unit),
             endless: dofs.iter().map(|dof| dof.continuous).collect(),
-            cells: sidecar.cells.clone().unwrap_or_default(),
+            sidecar: sidecar.clone(),
+            options: options.clone(),
             support: support.map(Arc::from),
-            gravity: sidecar.gravity,
-            links: options.links.clone(),
-            readings_per_pose: sidecar.readings_per_pose.unwrap_or(1),
-            any_unit: options.any_unit,
             shrink: 1.0,
             no_load: false,
             next_pose: 0,
@@ -109,7 +101,7 @@ impl Assembler {
                 None => assembler.fault(None, format!("sidecar: {message}")),
             })?;
         }
-        let (found, placed) = (columns.cells.len(), assembler.cells.len());
+        let (found, placed) = (columns.cells.len(), assembler.places().len());
         if columns.cop.is_none() && found > 0 && found != placed {
             let message = match sidecar.cells {
                 None => "foot cells without places; give `cells = [[x, y], …]` (m, support \
@@ -125,6 +117,11 @@ impl Assembler {
         Ok(assembler)
     }
 
+    /// Places of the foot cells, m.
+    fn places(&self) -> &[[f64; 2]] {
+        self.sidecar.cells.as_deref().unwrap_or_default()
+    }
+
     /// A fault of the log, at a row of it.
     pub fn fault(&self, line: Option<u64>, message: impl Into<Message>) -> Error {
         Error::log(self.file.clone(), line, message)
@@ -136,35 +133,34 @@ impl Assembler {
         self.find_unused(raw);
         self.fill_unused(raw);
         let rows = typical_run(&raw.pose).max(1) as f64;
-        self.shrink = (rows / self.readings_per_pose as f64).min(1.0).sqrt();
-        let Some(k) = self.columns.cop else {
+        let readings = self.sidecar.readings_per_pose.unwrap_or(1) as f64;
+        self.shrink = (rows / readings).min(1.0).sqrt();
+        let typical = |k: Option<usize>| k.and_then(|k| self.typical(raw, k));
+        let Some(far) = typical(self.columns.cop) else {
             return Ok(());
         };
-        let line = raw.line.first().copied();
-        let far = self.typical(raw, k);
         // In no unit is that the CoP of a robot: one that is wrong by a thousand is an effect.
-        let most = if self.any_unit { 1e4 } else { 2.0 };
-        if let Some(typical) = far.filter(|far| *far > most) {
-            let message = format!(
-                "columns `cop_x`, `cop_y`: the CoP is typically {} m from the origin of the \
-                 sole; give metres, not millimetres",
-                three_digits(typical)
-            );
-            return Err(self.fault(line, message));
-        }
+        let most = if self.options.any_unit { 1e4 } else { 2.0 };
         // In a log in millimetres deviations are, too: the unit is found from its readings.
-        if far.is_some_and(|far| far <= 2.0)
-            && let Some(k) = self.columns.cop_std
-            && let Some(std) = self.typical(raw, k).filter(|std| *std > 0.1)
-        {
+        let std = typical(self.columns.cop_std).filter(|std| far <= 2.0 && *std > 0.1);
+        let said: Message = if far > most {
+            let far = three_digits(far);
+            format!(
+                "columns `cop_x`, `cop_y`: the CoP is typically {far} m from the origin of the \
+                 sole; give metres, not millimetres"
+            )
+            .into()
+        } else if let Some(std) = std {
             let said = format!(
                 "columns `cop_x_std`, `cop_y_std`: a reading is typically known to {} m, more than \
                  a sole; give metres, not millimetres, or leave out the columns and give ",
                 three_digits(std)
             );
-            return Err(self.fault(line, message![said, Setting::Noise]));
-        }
-        Ok(())
+            message![said, Setting::Noise]
+        } else {
+            return Ok(());
+        };
+        Err(self.fault(raw.line.first().copied(), said))
     }
 
     /// Optional columns without a value.
@@ -182,14 +178,22 @@ impl Assembler {
         ] {
             if let Some(first) = column.filter(|first| (*first..first + count).any(&mut empty)) {
                 self.missing.unused.extend(first..first + count);
-                self.bounds[first..first + count].fill(Bound::ANY);
+                columns.bounds[first..first + count].fill(Bound::ANY);
                 *column = None;
             }
         }
     }
 
-    /// Columns without a value cost no row.
-    pub fn fill_unused(&self, raw: &mut Raw) {
+    /// Bring rows to SI units; columns without a value cost no row.
+    pub fn scale(&self, raw: &mut Raw) {
+        let factors = &self.columns.factors;
+        for (k, factor) in factors.iter().enumerate().filter(|(_, own)| **own != 1.0) {
+            raw.column(k, factors.len()).for_each(|x| *x *= factor);
+        }
+        self.fill_unused(raw);
+    }
+
+    fn fill_unused(&self, raw: &mut Raw) {
         let width = self.columns.numbers.len();
         for k in &self.missing.unused {
             raw.column(*k, width).for_each(|x| *x = 0.0);
@@ -201,39 +205,33 @@ impl Assembler {
     /// # Errors
     /// A log of which no row is left.
     pub fn conclude(&self, rows: u64) -> Result<Vec<Message>, Error> {
-        let Missing {
-            rows: lost,
-            first,
-            of,
-            unused,
-        } = &self.missing;
+        let missing = &self.missing;
         let named = |k: usize| self.columns.names.get(k).map_or(POSE, String::as_str);
-        let mut warnings = Vec::new();
-        if !unused.is_empty() {
-            let names: Vec<&str> = unused.iter().map(|k| named(*k)).collect();
-            let noun = if names.len() == 1 {
-                "a column"
-            } else {
-                "columns"
-            };
-            let said = format!("{noun} without a value, and not used: {}", list(&names));
-            warnings.push(format!("{}: {said}", self.file).into());
+        let mut said = Vec::new();
+        if !missing.unused.is_empty() {
+            let nouns = ["a column", "columns"];
+            let noun = nouns[usize::from(missing.unused.len() > 1)];
+            let names = list(missing.unused.iter().map(|k| named(*k)));
+            said.push(format!("{noun} without a value, and not used: {names}"));
         }
-        if *lost > 0 {
-            let of = of.iter().enumerate().filter(|(_, count)| **count > 0);
+        if missing.rows > 0 {
+            let of = missing.of.iter().enumerate();
+            let of = of.filter(|(_, count)| **count > 0);
             let of = of.map(|(k, count)| format!("`{}` in {count}", short(named(k))));
-            let said = format!(
-                "{lost} of {} rows have no value of a column and are left out: {} (the first is \
-                 row {first})",
-                rows + lost,
-                listed(of, 8)
+            let lost = format!(
+                "{} of {} rows have no value of a column and are left out: {} (the first is row {})",
+                missing.rows,
+                rows + missing.rows,
+                listed(of, 8),
+                missing.first
             );
             if rows == 0 {
-                return Err(self.fault(Some(*first), said));
+                return Err(self.fault(Some(missing.first), lost));
             }
-            warnings.push(format!("{}: {said}", self.file).into());
+            said.push(lost);
         }
-        Ok(warnings)
+        let named = said.iter().map(|said| format!("{}: {said}", self.file));
+        Ok(named.map(Message::from).collect())
     }
 
     /// Take note of a row that misses values.
@@ -253,10 +251,8 @@ impl Assembler {
     /// The typical length of columns `k` and `k + 1`, as they stand in the log.
     fn typical(&self, raw: &Raw, k: usize) -> Option<f64> {
         let width = self.columns.numbers.len();
-        let far = raw
-            .numbers
-            .chunks_exact(width)
-            .map(|row| row[k].hypot(row[k + 1]));
+        let rows = raw.numbers.chunks_exact(width);
+        let far = rows.map(|row| row[k].hypot(row[k + 1]));
         let mut far: Vec<f64> = far.filter(|far| far.is_finite()).collect();
         far.sort_by(f64::total_cmp);
         far.get(far.len() / 2).copied()
@@ -271,30 +267,6 @@ impl Assembler {
     /// See [`super::PostureReader::averaged`].
     pub fn averaged(&self) -> f64 {
         1.0 - self.shrink * self.shrink
-    }
-
-    /// An empty block with the columns that this log has.
-    pub fn start(&self) -> Block {
-        let columns = &self.columns;
-        let has_support = columns.support.is_some() || self.support.is_some();
-        let has_std = match columns.cop {
-            Some(_) => columns.cop_std.is_some(),
-            None => columns.cell_std.is_some(),
-        };
-        Block {
-            t: columns.t.map(|_| Vec::new()),
-            support: has_support.then(Vec::new),
-            reading: columns.readings().then(Vec::new),
-            std: has_std.then(Vec::new),
-            cells: (!columns.cells.is_empty()).then(|| Cells {
-                count: columns.cells.len(),
-                force: Vec::new(),
-                std: columns.cell_std.map(|_| Vec::new()),
-            }),
-            load: columns.load.map(|_| Vec::new()),
-            gravity: (columns.gravity.is_some() || self.gravity.is_some()).then(Vec::new),
-            ..Block::default()
-        }
     }
 
     /// Append rows of `raw` to `block`.
@@ -350,7 +322,7 @@ impl Assembler {
         let width = self.columns.numbers.len().max(1);
         let rows = raw.numbers.chunks_exact(width).zip(&raw.line).skip(next);
         let whole = rows.filter(|(numbers, _)| !numbers.iter().any(|x| x.is_nan()));
-        let faulty = whole.filter(|(numbers, _)| self.row(numbers, &mut self.start()).is_err());
+        let faulty = whole.filter(|(numbers, _)| self.row(numbers, &mut Block::default()).is_err());
         let lines: Vec<String> = faulty.map(|(_, line)| line.to_string()).collect();
         match lines.len() {
             0 => message,
@@ -361,7 +333,7 @@ impl Assembler {
 
     fn row(&self, numbers: &[f64], block: &mut Block) -> Result<(), Message> {
         let columns = &self.columns;
-        let bounded = numbers.iter().zip(&self.bounds);
+        let bounded = numbers.iter().zip(&columns.bounds);
         if !bounded
             .clone()
             .fold(true, |all, (x, bound)| all & bound.holds(*x))
@@ -370,34 +342,35 @@ impl Assembler {
             named.try_for_each(|((x, bound), name)| bound.check(name, *x))?;
         }
         block.q.extend(&numbers[columns.joints.clone()]);
-        if let (Some(k), Some(t)) = (columns.t, &mut block.t) {
-            t.push(numbers[k]);
+        if let Some(k) = columns.t {
+            block.t.get_or_insert_default().push(numbers[k]);
         }
-        if let Some(all) = &mut block.gravity {
-            let own = columns
-                .gravity
-                .map(|k| [numbers[k], numbers[k + 1], numbers[k + 2]]);
-            let gravity = own.or(self.gravity).unwrap_or([0.0, 0.0, -1.0]);
+        let gravity = columns
+            .gravity
+            .map(|k| [0, 1, 2].map(|axis| numbers[k + axis]));
+        if let Some(gravity) = gravity.or(self.sidecar.gravity) {
             check_gravity(gravity)?;
-            all.push(gravity);
+            block.gravity.get_or_insert_default().push(gravity);
         }
-        if let (Some(k), Some(all)) = (columns.load, &mut block.load) {
-            all.push(numbers[k]);
+        if let Some(k) = columns.load {
+            block.load.get_or_insert_default().push(numbers[k]);
         }
         let force = &numbers[columns.cells.clone()];
         let force_std = columns.cell_std.map(|k| -> Vec<f64> {
             let own = numbers[k..k + force.len()].iter();
             own.map(|s| s * self.shrink).collect()
         });
-        if let Some(cells) = &mut block.cells {
+        if !force.is_empty() {
+            let cells = block.cells.get_or_insert_default();
+            cells.count = force.len();
             cells.force.extend(force);
-            if let (Some(all), Some(std)) = (&mut cells.std, &force_std) {
-                all.extend(std);
+            if let Some(std) = &force_std {
+                cells.std.get_or_insert_default().extend(std);
             }
         }
-        let Some(reading) = &mut block.reading else {
+        if !columns.readings() {
             return Ok(());
-        };
+        }
         let (cop, std) = match columns.cop {
             Some(k) => {
                 let pair = |k: usize| [numbers[k], numbers[k + 1]];
@@ -405,26 +378,27 @@ impl Assembler {
                 (pair(k), std.map(|std| std.map(|s| s * self.shrink)))
             }
             None => {
-                let cop = match centre(&self.cells, force) {
+                let cop = match centre(self.places(), force) {
                     Err(_) if self.no_load => [0.0; 2],
                     cop => cop?,
                 };
                 check_cop(cop)?;
-                let std = force_std.map(|std| deviation(&self.cells, force, &std, cop));
+                let std = force_std.map(|std| deviation(self.places(), force, &std, cop));
                 (cop, std)
             }
         };
-        reading.push(cop);
-        if let (Some(all), Some(std)) = (&mut block.std, std) {
-            all.push(std);
+        block.reading.get_or_insert_default().push(cop);
+        if let Some(std) = std {
+            block.std.get_or_insert_default().push(std);
         }
         Ok(())
     }
 
     fn support(&self, own: Option<&Arc<str>>, block: &mut Block) -> Result<(), String> {
-        let Some(all) = &mut block.support else {
+        if self.columns.support.is_none() && self.support.is_none() {
             return Ok(());
-        };
+        }
+        let all = block.support.get_or_insert_default();
         let own = own.filter(|link| !link.is_empty());
         if let Some(link) = own {
             // Mostly the same as in the row above.
@@ -438,14 +412,13 @@ impl Assembler {
     }
 
     fn known_link(&self, link: &str) -> Result<(), String> {
-        let known = self.links.iter().map(String::as_str);
-        if self.links.is_empty() || is_support(link, known) {
+        let links = self.options.links.iter().map(String::as_str);
+        if self.options.links.is_empty() || is_support(link, links.clone()) {
             return Ok(());
         }
-        let links: Vec<&str> = self.links.iter().map(String::as_str).collect();
-        let meant = match nearest(link, "", links.iter().copied()) {
+        let meant = match nearest(link, "", links.clone()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => format!("the robot has {}", list(&links)),
+            None => format!("the robot has {}", list(links)),
         };
         Err(format!("no link `{}` to stand on; {meant}", short(link)))
     }

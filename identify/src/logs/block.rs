@@ -8,7 +8,6 @@
 //! T places the other sole in the support frame; the robot knows it, a log does not.
 
 use std::fmt::Debug;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// Some rows of a log, column by column; every column has one entry per row.
@@ -61,30 +60,8 @@ impl Block {
 
     /// Keep the rows for which `keep` says so.
     pub fn retain(&mut self, keep: &[bool]) {
-        let width = self.q.len() / self.len().max(1);
-        keep_some(&mut self.line, 1, keep);
-        keep_some(&mut self.pose, 1, keep);
-        keep_some(&mut self.q, width, keep);
-        self.t.iter_mut().for_each(|own| keep_some(own, 1, keep));
-        self.support
-            .iter_mut()
-            .for_each(|own| keep_some(own, 1, keep));
-        self.reading
-            .iter_mut()
-            .for_each(|own| keep_some(own, 1, keep));
-        self.std.iter_mut().for_each(|own| keep_some(own, 1, keep));
-        self.gravity
-            .iter_mut()
-            .for_each(|own| keep_some(own, 1, keep));
-        self.load.iter_mut().for_each(|own| keep_some(own, 1, keep));
-        self.other
-            .iter_mut()
-            .for_each(|own| keep_some(own, 1, keep));
-        if let Some(cells) = &mut self.cells {
-            keep_some(&mut cells.force, cells.count, keep);
-            let std = cells.std.iter_mut();
-            std.for_each(|own| keep_some(own, cells.count, keep));
-        }
+        let is_kept = |row: &usize| keep.get(*row).copied().unwrap_or(true);
+        *self = self.select((0..self.len()).filter(is_kept));
     }
 
     /// Add the rows of `other`, which has the same columns.
@@ -109,26 +86,25 @@ impl Block {
         }
     }
 
-    /// Some of the rows.
-    pub(super) fn part(&self, rows: Range<usize>) -> Block {
+    /// Some of the rows, in this order.
+    pub(super) fn select(&self, rows: impl Iterator<Item = usize> + Clone) -> Block {
         let width = self.q.len() / self.len().max(1);
-        let values = |width: usize| rows.start * width..rows.end * width;
         Block {
-            line: self.line[rows.clone()].to_vec(),
-            pose: self.pose[rows.clone()].to_vec(),
-            t: some(&self.t, &rows),
-            support: some(&self.support, &rows),
-            q: self.q[values(width)].to_vec(),
-            reading: some(&self.reading, &rows),
-            std: some(&self.std, &rows),
+            line: entries(&self.line, 1, rows.clone()),
+            pose: entries(&self.pose, 1, rows.clone()),
+            t: of_column(&self.t, 1, rows.clone()),
+            support: of_column(&self.support, 1, rows.clone()),
+            q: entries(&self.q, width, rows.clone()),
+            reading: of_column(&self.reading, 1, rows.clone()),
+            std: of_column(&self.std, 1, rows.clone()),
             cells: self.cells.as_ref().map(|cells| Cells {
                 count: cells.count,
-                force: cells.force[values(cells.count)].to_vec(),
-                std: some(&cells.std, &values(cells.count)),
+                force: entries(&cells.force, cells.count, rows.clone()),
+                std: of_column(&cells.std, cells.count, rows.clone()),
             }),
-            load: some(&self.load, &rows),
-            gravity: some(&self.gravity, &rows),
-            other: some(&self.other, &rows),
+            load: of_column(&self.load, 1, rows.clone()),
+            gravity: of_column(&self.gravity, 1, rows.clone()),
+            other: of_column(&self.other, 1, rows),
         }
     }
 
@@ -138,8 +114,19 @@ impl Block {
     }
 }
 
-fn some<T: Clone>(all: &Option<Vec<T>>, rows: &Range<usize>) -> Option<Vec<T>> {
-    all.as_ref().map(|all| all[rows.clone()].to_vec())
+/// Entries of some rows, `width` of them in each.
+fn entries<T: Clone>(all: &[T], width: usize, rows: impl Iterator<Item = usize>) -> Vec<T> {
+    let mut entries = Vec::with_capacity(width * rows.size_hint().0);
+    rows.for_each(|row| entries.extend_from_slice(&all[row * width..(row + 1) * width]));
+    entries
+}
+
+fn of_column<T: Clone>(
+    all: &Option<Vec<T>>,
+    width: usize,
+    rows: impl Iterator<Item = usize>,
+) -> Option<Vec<T>> {
+    all.as_ref().map(|all| entries(all, width, rows))
 }
 
 fn join<T>(own: &mut Option<Vec<T>>, other: Option<Vec<T>>) {

@@ -13,84 +13,54 @@
 
 use sesc_model::tree::Dof;
 
-use super::columns::Columns;
 use super::settings::{IN_DEGREES, OR_SIDECAR};
 use crate::{Message, Setting, message};
 
 /// Least force on a sole, N: with less, nothing stands on it, whoever measured it.
 pub(crate) const LEAST_LOAD_N: f64 = 1.0;
-/// Largest CoP, m, and largest angle, rad, as the table says.
-const COP: f64 = 1e6;
+/// Largest angle, rad, as the table says.
 const ANGLE_RAD: f64 = 1_048_576.0;
 
 /// The values that a column can have, in SI units.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bound {
     least: f64,
     most: f64,
-    kind: Kind,
-}
-
-#[derive(Clone, Copy)]
-enum Kind {
-    Angle,
-    Time,
-    Other,
+    unit: &'static str,
 }
 
 impl Bound {
     /// Any finite value.
-    pub const ANY: Bound = Bound::within(f64::MAX, Kind::Other);
+    pub const ANY: Bound = Bound::within(f64::MAX, "");
+    pub const COP: Bound = Bound::within(1e6, "m");
+    pub const FORCE: Bound = Bound::within(1e9, "N");
 
-    const fn within(most: f64, kind: Kind) -> Bound {
+    pub const fn within(most: f64, unit: &'static str) -> Bound {
         Bound {
             least: -most,
             most,
-            kind,
+            unit,
         }
     }
 
-    /// A standard deviation is positive.
-    fn deviation(most: f64) -> Bound {
+    /// Deviations of such values, which are positive.
+    pub const fn of_deviation(self) -> Bound {
         Bound {
             least: f64::MIN_POSITIVE,
-            ..Bound::within(most, Kind::Other)
+            ..self
         }
     }
 
-    fn joint(dof: &Dof, any_unit: bool) -> Bound {
+    pub fn joint(dof: &Dof, any_unit: bool) -> Bound {
         if dof.prismatic {
-            return Bound::within(1e6, Kind::Other);
+            return Bound::within(1e6, "m");
         }
         // Further out than a full turn a joint with limits was hardly logged in radians.
         let reach = match dof.continuous || any_unit {
             true => f64::INFINITY,
             false => 6.3_f64.max(dof.lower.abs()).max(dof.upper.abs()),
         };
-        Bound::within(reach.min(ANGLE_RAD), Kind::Angle)
-    }
-
-    /// Those of the numbers of a row, in their order.
-    pub fn all(columns: &Columns, dofs: &[Dof], any_unit: bool) -> Vec<Bound> {
-        let mut all = vec![Bound::ANY; columns.numbers.len()];
-        for (own, dof) in all.iter_mut().zip(dofs) {
-            *own = Bound::joint(dof, any_unit);
-        }
-        let cells = columns.cells.len();
-        let force = Bound::within(1e9, Kind::Other);
-        for (first, count, bound) in [
-            (columns.t, 1, Bound::within(1e15, Kind::Time)),
-            (columns.load, 1, force),
-            (columns.cop, 2, Bound::within(COP, Kind::Other)),
-            (columns.cop_std, 2, Bound::deviation(COP)),
-            (Some(columns.cells.start), cells, force),
-            (columns.cell_std, cells, Bound::deviation(1e9)),
-        ] {
-            if let Some(first) = first {
-                all[first..first + count].fill(bound);
-            }
-        }
-        all
+        Bound::within(reach.min(ANGLE_RAD), "rad")
     }
 
     pub fn holds(&self, value: f64) -> bool {
@@ -106,14 +76,14 @@ impl Bound {
         } else if self.least > 0.0 && value <= 0.0 {
             format!("a standard deviation of {value}; it must be positive, or leave out the column")
         } else {
-            match self.kind {
-                Kind::Angle if self.most < ANGLE_RAD => return Err(beyond_a_turn(name, value)),
-                Kind::Angle => format!(
+            match self.unit {
+                "rad" if self.most < ANGLE_RAD => return Err(beyond_a_turn(name, value)),
+                "rad" => format!(
                     "{value:?} rad: an angle is beyond 2^20 rad, where sines mean nothing; reduce \
                      it by whole turns, or mend the value"
                 ),
-                Kind::Time => format!("{value:?} s is beyond every clock; give seconds"),
-                Kind::Other => format!(
+                "s" => format!("{value:?} s is beyond every clock; give seconds"),
+                _ => format!(
                     "{value:?} is beyond {:e}, more than any sensor reads; remove the row or mend \
                      the value",
                     self.most
@@ -140,7 +110,7 @@ fn beyond_a_turn(name: &str, rad: f64) -> Message {
 
 /// The same of a CoP that forces on cells give.
 pub(super) fn check_cop([x, y]: [f64; 2]) -> Result<(), Message> {
-    let check = |x| Bound::within(COP, Kind::Other).check("cop_x, cop_y of the cells", x);
+    let check = |x| Bound::COP.check("cop_x, cop_y of the cells", x);
     check(x).and_then(|()| check(y))
 }
 

@@ -12,10 +12,12 @@ use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
 use std::ops::Range;
 
+use sesc_model::text::listed;
 use sesc_model::tree::Dof;
 
+use super::bounds::Bound;
 use super::names::{list, meant, short, suggestion};
-use super::settings::Readings;
+use super::settings::{Angles, Options, Readings};
 use crate::{Message, Setting, message};
 
 pub(super) const POSE: &str = "pose";
@@ -31,7 +33,7 @@ const CELL: &str = "fsr_";
 const STD: &str = "_std";
 
 /// A column of posture logs, or some that go together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Column {
     /// The names of the columns, all of which are needed if one is there; `k` counts
@@ -43,6 +45,9 @@ pub struct Column {
     pub meaning: &'static str,
     /// Whether a log must have it.
     pub need: Need,
+    /// Values that it can have, of a column of numbers that is no joint; gravity is judged as a
+    /// vector.
+    bound: Bound,
 }
 
 /// Whether a log must have a column.
@@ -62,24 +67,28 @@ pub enum Need {
 /// All columns that mean something; others are ignored with a warning.
 #[rustfmt::skip]
 pub const COLUMNS: [Column; 10] = [
-    column(&[POSE], "", Need::Never, "whole number; rows that share it are repeated readings"),
-    column(&[T], "s", Need::Never, "time"),
-    column(&[SUPPORT], "", Need::Never, "link on the ground"),
-    column(&["JOINT"], "rad, m", Need::Always,
+    column(&[POSE], "", Bound::ANY, Need::Never,
+        "whole number; rows that share it are repeated readings"),
+    column(&[T], "s", Bound::within(1e15, "s"), Need::Never, "time"),
+    column(&[SUPPORT], "", Bound::ANY, Need::Never, "link on the ground"),
+    column(&["JOINT"], "rad, m", Bound::ANY, Need::Always,
         "position of the URDF's joint of that name, for each independent joint"),
-    column(&COP, "m", Need::Reading, "CoP in the support frame"),
-    column(&COP_STD, "m", Need::OfReading, "standard deviation of a single reading of the CoP"),
-    column(&["fsr_k"], "N", Need::Reading, "force on foot cell k; its place stands in the sidecar"),
-    column(&["fsr_k_std"], "N", Need::OfReading,
+    column(&COP, "m", Bound::COP, Need::Reading, "CoP in the support frame"),
+    column(&COP_STD, "m", Bound::COP.of_deviation(), Need::OfReading,
+        "standard deviation of a single reading of the CoP"),
+    column(&["fsr_k"], "N", Bound::FORCE, Need::Reading,
+        "force on foot cell k; its place stands in the sidecar"),
+    column(&["fsr_k_std"], "N", Bound::FORCE.of_deviation(), Need::OfReading,
         "standard deviation of a single reading of that force"),
-    column(&[FZ], "N", Need::OfReading,
+    column(&[FZ], "N", Bound::FORCE, Need::OfReading,
         "total force on the support, compared with the weight of the robot"),
-    column(&GRAVITY, "m/s²", Need::Never, "gravity in the support frame"),
+    column(&GRAVITY, "m/s²", Bound::ANY, Need::Never, "gravity in the support frame"),
 ];
 
 const fn column(
     names: &'static [&'static str],
     unit: &'static str,
+    bound: Bound,
     need: Need,
     meaning: &'static str,
 ) -> Column {
@@ -88,6 +97,7 @@ const fn column(
         unit,
         meaning,
         need,
+        bound,
     }
 }
 
@@ -103,6 +113,10 @@ pub(super) struct Columns {
     pub numbers: Vec<usize>,
     /// Name of each number, for messages.
     pub names: Vec<String>,
+    /// Values that each number can have.
+    pub bounds: Vec<Bound>,
+    /// What brings each number to SI units.
+    pub factors: Vec<f64>,
     pub t: Option<usize>,
     pub joints: Range<usize>,
     pub cop: Option<usize>,
@@ -113,12 +127,20 @@ pub(super) struct Columns {
     pub gravity: Option<usize>,
     /// Columns that mean nothing here.
     pub ignored: Vec<String>,
+    /// What was read under another name than it has.
+    pub note: Option<String>,
 }
 
 impl Columns {
     /// Match the names of a log with the robot's joints. The error is the
     /// message without the file.
-    pub fn of(header: &[String], dofs: &[Dof], readings: Readings) -> Result<Columns, Message> {
+    pub fn of(
+        header: &[String],
+        dofs: &[Dof],
+        options: &Options,
+        angles: Angles,
+    ) -> Result<Columns, Message> {
+        let (header, factors, note) = named(header, dofs);
         check_joints(dofs)?;
         if header.len() > MOST {
             return Err(format!(
@@ -139,15 +161,15 @@ impl Columns {
             support: at.remove(SUPPORT),
             ..Columns::default()
         };
-        columns.take_joints(&mut at, dofs)?;
+        columns.take_joints(&mut at, dofs, options.any_unit)?;
         columns.t = columns.take(&mut at, &[T], "")?;
         columns.gravity = columns.take(&mut at, &GRAVITY, "gravity")?;
-        if readings == Readings::Ignored {
+        if options.readings == Readings::Ignored {
             at.retain(|name, _| !is_reading(name));
         } else {
             columns.take_readings(&mut at)?;
         }
-        if readings == Readings::Required && columns.cop.is_none() && columns.cells.is_empty() {
+        if options.readings == Readings::Required && !columns.readings() {
             let near = suggestion(&COP, at.keys().copied());
             return Err(format!(
                 "no readings; add the columns `cop_x` and `cop_y` (m, support frame), \
@@ -157,15 +179,28 @@ impl Columns {
         }
         let ignored = header.iter().filter(|name| at.contains_key(name.as_str()));
         columns.ignored = ignored.cloned().collect();
+        columns.note = note;
+        columns.factors = columns.numbers.iter().map(|k| factors[*k]).collect();
+        for (factor, dof) in columns.factors.iter_mut().zip(dofs) {
+            // Degrees that a name says need no other word for it.
+            if angles == Angles::Deg && !dof.prismatic && *factor == 1.0 {
+                *factor = PI / 180.0;
+            }
+        }
         Ok(columns)
     }
 
-    fn take_joints(&mut self, at: &mut HashMap<&str, usize>, dofs: &[Dof]) -> Result<(), Message> {
+    fn take_joints(
+        &mut self,
+        at: &mut HashMap<&str, usize>,
+        dofs: &[Dof],
+        any_unit: bool,
+    ) -> Result<(), Message> {
         let mut missing = Vec::new();
         for dof in dofs {
             let joint = dof.joint.trim();
             match at.remove(joint) {
-                Some(column) => self.push(column, joint),
+                Some(column) => self.push(column, joint, Bound::joint(dof, any_unit)),
                 None => missing.push(joint),
             }
         }
@@ -195,20 +230,17 @@ impl Columns {
         self.cop = self.take(at, &COP, "the CoP")?;
         self.cop_std = self.take(at, &COP_STD, "its deviation")?;
         self.load = self.take(at, &[FZ], "")?;
-        let count = (1..).take_while(|k| at.contains_key(&*cell(*k))).count();
-        let names: Vec<String> = (1..=count).map(cell).collect();
-        let stds = names.iter().map(|name| format!("{name}{STD}"));
-        let stds: Vec<String> = stds.collect();
-        self.cells = self.numbers.len()..self.numbers.len() + count;
-        self.take(at, &names, "")?;
-        if count > 0 {
-            self.cell_std = self.take(at, &stds, "the cells' deviation")?;
-        }
+        let cells = (1..).map(cell).take_while(|name| at.contains_key(&**name));
+        let cells: Vec<String> = cells.collect();
+        let stds: Vec<String> = cells.iter().map(|name| format!("{name}{STD}")).collect();
+        self.cells = self.numbers.len()..self.numbers.len() + cells.len();
+        self.take(at, &cells, "")?;
+        self.cell_std = self.take(at, &stds, "the cells' deviation")?;
         let beyond = at.keys().find(|name| cell_number(name).is_some());
         beyond.map_or(Ok(()), |name| {
             Err(format!(
                 "column `{name}`, but no `{}`; cells count from `fsr_1` without a gap",
-                cell(count + 1)
+                cell(cells.len() + 1)
             ))
         })
     }
@@ -236,16 +268,17 @@ impl Columns {
             ));
         }
         for name in names {
-            if let Some(column) = at.remove(name) {
-                self.push(column, name);
+            if let (Some(column), Some(meaning)) = (at.remove(name), meaning(name)) {
+                self.push(column, name, meaning.bound);
             }
         }
         Ok(Some(start))
     }
 
-    fn push(&mut self, column: usize, name: &str) {
+    fn push(&mut self, column: usize, name: &str, bound: Bound) {
         self.numbers.push(column);
         self.names.push(name.to_string());
+        self.bounds.push(bound);
     }
 
     /// Whether rows carry readings.
@@ -329,32 +362,22 @@ fn unit(text: &str) -> Option<(&'static str, f64)> {
     known.map(|(_, si, factor)| (*si, *factor))
 }
 
-/// Columns as the log names them, with what they are here.
-#[derive(Debug, Default, PartialEq)]
-pub(super) struct Named {
-    /// Our names, those of the log where it has a name of its own.
-    pub names: Vec<String>,
-    /// What brings the values to s, rad, m or N.
-    pub factors: Vec<f64>,
-    /// What was read under another name than it has.
-    pub note: Option<String>,
-}
-
-/// Read times and units of other programs in the names of columns.
-pub(super) fn named(header: &[String], dofs: &[Dof]) -> Named {
+/// The names of columns without times and units of other programs, what brings the values to s, rad,
+/// m or N, and what is said of it.
+fn named(header: &[String], dofs: &[Dof]) -> (Vec<String>, Vec<f64>, Option<String>) {
     let joints: HashMap<&str, bool> = dofs
         .iter()
         .map(|dof| (dof.joint.trim(), dof.prismatic))
         .collect();
-    let is_known = |name: &str| joints.contains_key(name) || meaning(name).is_some();
     let taken: HashSet<&str> = header.iter().map(String::as_str).collect();
     let unit_of = |name: &str| match joints.get(name) {
         Some(true) => Some("m"),
         Some(false) => Some("rad"),
         None => meaning(name).map(|column| column.unit),
     };
-    let mut named = Named::default();
-    let (mut told, mut timed) = (Vec::new(), taken.contains(T));
+    let is_known = |name: &str| unit_of(name).is_some();
+    let (mut names, mut factors, mut told) = (Vec::new(), Vec::new(), Vec::new());
+    let mut timed = taken.contains(T);
     for name in header {
         let mut read = (name.as_str(), 1.0);
         if !is_known(name) {
@@ -367,20 +390,18 @@ pub(super) fn named(header: &[String], dofs: &[Dof]) -> Named {
                 read = (ours, unit.map_or(1.0, |(_, factor)| factor));
             }
         }
-        named.names.push(read.0.to_string());
-        named.factors.push(read.1);
+        names.push(read.0.to_string());
+        factors.push(read.1);
     }
-    named.note = (!told.is_empty()).then(|| {
-        let units = match named.factors.iter().all(|factor| *factor == 1.0) {
+    let note = (!told.is_empty()).then(|| {
+        let units = match factors.iter().all(|factor| *factor == 1.0) {
             true => "",
             false => ", in s, rad, m and N",
         };
-        format!(
-            "columns are read by other names{units}: {}",
-            sesc_model::text::listed(told, 4)
-        )
+        let told = listed(told, 4);
+        format!("columns are read by other names{units}: {told}")
     });
-    named
+    (names, factors, note)
 }
 
 fn is_a_time(name: &str) -> bool {
@@ -527,10 +548,18 @@ mod tests {
         names.split(',').map(str::to_string).collect()
     }
 
+    fn required() -> Options {
+        Options {
+            readings: Readings::Required,
+            ..Options::default()
+        }
+    }
+
     #[test]
     fn columns_are_found_by_name_in_any_order() {
         let names = header("fsr_2,knee,,t,fsr_1,hip,note,fsr_1_std,fsr_2_std,pose");
-        let columns = Columns::of(&names, &dofs(&["hip", "knee"]), Readings::Required).unwrap();
+        let columns =
+            Columns::of(&names, &dofs(&["hip", "knee"]), &required(), Angles::Rad).unwrap();
         assert_eq!(columns.numbers, [5, 1, 3, 4, 0, 7, 8]);
         assert_eq!((columns.joints, columns.t), (0..2, Some(2)));
         assert_eq!((columns.cells, columns.cell_std), (3..5, Some(5)));
@@ -558,7 +587,7 @@ mod tests {
             ),
             ("hip,cop_x,COP-y", "did you mean `COP-y` for `cop_y`?"),
         ] {
-            let error = Columns::of(&header(names), &dofs(&["hip"]), Readings::Required);
+            let error = Columns::of(&header(names), &dofs(&["hip"]), &required(), Angles::Rad);
             says(error.unwrap_err(), &[words]);
         }
     }
@@ -571,7 +600,7 @@ mod tests {
             let first = |name: &&str| name.replace("_k", "_1");
             names.extend(column.names.iter().map(first));
         }
-        let columns = Columns::of(&names, &dofs(&["hip"]), Readings::Required).unwrap();
+        let columns = Columns::of(&names, &dofs(&["hip"]), &required(), Angles::Rad).unwrap();
         assert!(columns.ignored.is_empty(), "{:?}", columns.ignored);
         assert_eq!(columns.numbers.len() + 2, names.len());
         for name in &names[1..] {
@@ -594,8 +623,8 @@ mod tests {
     fn units_and_times_of_other_programs_are_read() {
         let read = |header: &str| {
             let header: Vec<String> = header.split(',').map(str::to_string).collect();
-            let found = named(&header, &dofs(&["hip", "hip_mm"]));
-            (found.names.join(","), found.factors, found.note)
+            let (names, factors, note) = named(&header, &dofs(&["hip", "hip_mm"]));
+            (names.join(","), factors, note)
         };
         let (names, factors, note) = read("t [ms],hip (deg),cop_x_mm,cop_y [m],hip_mm,fsr_1 [kgf]");
         assert_eq!(names, "t,hip,cop_x,cop_y,hip_mm,fsr_1");

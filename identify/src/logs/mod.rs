@@ -47,11 +47,9 @@ pub(crate) use bounds::LEAST_LOAD_N;
 pub use columns::{COLUMNS, Column, Need, Row, Written};
 pub(crate) use csv::delimiter;
 pub use input::LogSource;
-#[doc(hidden)]
-pub use input::{Screen, Screening};
-pub(crate) use reader::joints;
 pub use reader::{PostureReader, Summary, column_names};
-pub(crate) use samples::{ROOM, Rows, Samples};
+pub(crate) use reader::{Screening, joints};
+pub(crate) use samples::{ROOM, Samples, Screen};
 #[doc(hidden)]
 pub use settings::KEYS as SIDECAR_KEYS;
 pub use settings::{Angles, Options, Readings, Sidecar, Stays};

@@ -4,7 +4,6 @@
 //! source ─▶ chunk of rows ─▶ assembler ─▶ stays ─▶ screen ─▶ block
 //! ```
 
-use std::f64::consts::PI;
 use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
@@ -15,14 +14,14 @@ use sesc_model::urdf::Description;
 
 use super::assemble::Assembler;
 use super::block::{Block, Standing};
-use super::columns::{Columns, named, no_names};
+use super::columns::{Columns, no_names};
 use super::csv::CsvSource;
-use super::input::{LogSource, Metered, Place, Screening};
+use super::input::{LogSource, Metered, Place};
 #[cfg(feature = "mcap")]
 use super::mcap::McapSource;
 use super::names;
 #[cfg(feature = "parquet")]
-use super::parquet::ParquetSource;
+use super::parquet;
 use super::settings::{Angles, Options, Sidecar, Stays};
 use super::source::{Raw, RowSource};
 use super::stillness::Settling;
@@ -34,7 +33,7 @@ use crate::{Error, Message};
 const CHUNK: usize = 4096;
 
 /// What was read, for the record.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Summary {
     /// 16 hex digits: XXH64 (seed 0) over the bytes of the file.
     pub hash: String,
@@ -51,9 +50,35 @@ pub struct Summary {
 /// Memory: one chunk of rows and the block that was asked for, however long
 /// the log is; each format adds a bounded buffer of its own.
 pub struct PostureReader {
+    origin: Origin,
+    screening: Option<Screening>,
+    /// What the log's sidecar says.
+    pub sidecar: Sidecar,
+    /// What is odd about the log so far, complete after the last block.
+    pub warnings: Vec<Message>,
+}
+
+/// What becomes of each block, first row to last.
+pub(crate) type Screening = Box<dyn FnMut(&mut Block) + Send>;
+
+/// Where rows come from.
+enum Origin {
+    File(Box<FileReader>),
+    /// Rows that were kept, the number of the next one, and how many were given out.
+    Memory(Arc<Kept>, usize, u64),
+}
+
+/// All rows of a log, and what its reader says of them.
+pub(super) struct Kept {
+    pub rows: Block,
+    pub summary: Option<Summary>,
+    pub averaged: f64,
+    pub warnings: Vec<Message>,
+}
+
+/// Rows on their way from a source to blocks.
+struct FileReader {
     source: Box<dyn RowSource>,
-    /// What brings each column to SI units.
-    factors: Vec<f64>,
     assembler: Assembler,
     suspicions: Suspicions,
     raw: Raw,
@@ -69,15 +94,12 @@ pub struct PostureReader {
     settling: Option<Settling>,
     /// The file, where it is a regular one, and its stamp before anything was read.
     watched: Option<(std::fs::File, Stamp)>,
-    screen: Option<Screening>,
     /// The two links that stand, in a recording of both contacts.
     standing: Option<Standing>,
     /// Of the rows so far, without the hash.
     summary: Summary,
-    /// What the log's sidecar says.
-    pub sidecar: Sidecar,
-    /// What is odd about the log so far, complete after the last block.
-    pub warnings: Vec<Message>,
+    /// What is odd about the log and has not yet been told.
+    warnings: Vec<Message>,
 }
 
 impl PostureReader {
@@ -125,11 +147,12 @@ impl PostureReader {
         let header = sidecar
             .renamed(source.header())
             .map_err(|said| bad(said.into()))?;
-        let named = named(&header, dofs);
-        let columns = Columns::of(&named.names, dofs, options.readings);
+        let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
+        let columns = Columns::of(&header, dofs, options, angles);
         let columns = columns.map_err(|said| bad(no_names(&header).map_or(said, Message::from)))?;
         warnings.extend(source.warnings());
-        warnings.extend(named.note.map(|note| format!("{file}: {note}").into()));
+        let note = columns.note.iter();
+        warnings.extend(note.map(|note| format!("{file}: {note}").into()));
         if let (Some(given), Some(own)) = (&options.support, &sidecar.support)
             && given != own
         {
@@ -137,23 +160,13 @@ impl PostureReader {
             warnings.push(said.into());
         }
         if !columns.ignored.is_empty() {
-            let names: Vec<&str> = columns.ignored.iter().map(String::as_str).collect();
-            let (noun, verb) = match names.len() {
+            let names = names::list(&columns.ignored);
+            let (noun, verb) = match columns.ignored.len() {
                 1 => ("column", "is no joint and is"),
                 _ => ("columns", "are no joints and are"),
             };
-            let names = names::list(&names);
             warnings.push(format!("{file}: {noun} {names} {verb} ignored").into());
         }
-        let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
-        // Degrees that a name says need no other word for it.
-        let in_degrees =
-            |k: usize| angles == Angles::Deg && columns.joints.contains(&k) && !dofs[k].prismatic;
-        let factor = |(k, column): (usize, &usize)| match named.factors[*column] {
-            1.0 if in_degrees(k) => PI / 180.0,
-            factor => factor,
-        };
-        let factors = columns.numbers.iter().enumerate().map(factor).collect();
         let soles = options.soles.clone().zip(source.both());
         let standing = soles.map(|(soles, links)| Standing { soles, links });
         if let Some(Standing { links, .. }) = &standing {
@@ -161,20 +174,20 @@ impl PostureReader {
         }
         let timed = columns.t.is_some() && !source.knows_stays() && !dofs.is_empty();
         let settling = match options.stays {
-            Stays::Alone(duration) if timed => Some(Settling::alone(duration, dofs.len())),
+            Stays::Alone(duration) if timed => Some(Settling::new(dofs.len(), Some(duration))),
             Stays::Alone(_) if !source.knows_stays() => {
                 let message = "has no column `t`: which rows are of one stay is not known";
                 return Err(Error::log(file, Some(1), message));
             }
-            Stays::Pooled if timed && columns.pose.is_none() => Some(Settling::new(dofs.len())),
+            Stays::Pooled if timed && columns.pose.is_none() => {
+                Some(Settling::new(dofs.len(), None))
+            }
             _ => None,
         };
-        let mut assembler = Assembler::new(&file, columns, dofs, &sidecar, options)?;
-        assembler.no_load = log.screen.is_some();
-        Ok(PostureReader {
+        let assembler = Assembler::new(&file, columns, dofs, &sidecar, options)?;
+        let reader = FileReader {
             suspicions: Suspicions::new(&file, dofs, angles),
             source,
-            factors,
             assembler,
             raw: Raw::default(),
             given: 0,
@@ -185,17 +198,36 @@ impl PostureReader {
             last_pose: None,
             settling,
             watched,
-            screen: log.screen.as_ref().map(|screen| screen.start()),
             standing,
-            summary: Summary {
-                hash: String::new(),
-                rows: 0,
-                postures: 0,
-                times: None,
-            },
+            summary: Summary::default(),
+            warnings: Vec::new(),
+        };
+        Ok(PostureReader {
+            origin: Origin::File(Box::new(reader)),
+            screening: None,
             sidecar,
             warnings,
         })
+    }
+
+    /// The reader of rows that were kept.
+    pub(super) fn of_rows(kept: &Arc<Kept>, sidecar: &Sidecar) -> PostureReader {
+        PostureReader {
+            origin: Origin::Memory(Arc::clone(kept), 0, 0),
+            screening: None,
+            sidecar: sidecar.clone(),
+            warnings: kept.warnings.clone(),
+        }
+    }
+
+    /// The same rows as the screening leaves them. Rows in which nothing stands on the foot cells
+    /// have a reading of zero, and it is to take them out.
+    pub(super) fn screened(mut self, screening: Screening) -> PostureReader {
+        if let Origin::File(reader) = &mut self.origin {
+            reader.assembler.no_load = true;
+        }
+        self.screening = Some(screening);
+        self
     }
 
     /// The next rows, `count` at most; an empty block is the end of the log.
@@ -205,56 +237,29 @@ impl PostureReader {
     /// The first faulty row, by its place in the file; a file that changed since it was
     /// opened. A log without rows is an error too.
     pub fn block(&mut self, count: usize) -> Result<Block, Error> {
-        let read = self.next_block(count);
-        // What is wrong with a file that is being written is not its fault.
-        if read.as_ref().map_or(true, Block::is_empty)
-            && let Some((file, stamp)) = &self.watched
-        {
-            let unchanged = stamp.check(file);
-            unchanged.map_err(|source| Error::read(&self.assembler.file, source))?;
-        }
-        read
-    }
-
-    fn next_block(&mut self, count: usize) -> Result<Block, Error> {
         loop {
-            let mut block = self.settled(count)?;
+            let mut block = match &mut self.origin {
+                Origin::File(reader) => {
+                    let block = reader.block(count);
+                    self.warnings.append(&mut reader.warnings);
+                    block?
+                }
+                Origin::Memory(kept, next, given) => {
+                    let rows = *next..kept.rows.len().min(*next + count);
+                    *given += rows.len() as u64;
+                    *next = rows.end;
+                    kept.rows.select(rows)
+                }
+            };
             let ended = block.is_empty();
-            for pose in &block.pose {
-                let last = self.last_pose.replace(*pose);
-                self.summary.postures += u64::from(last != Some(*pose));
-            }
-            if let Some(screen) = &mut self.screen {
-                screen(&mut block);
+            if let Some(screening) = &mut self.screening {
+                screening(&mut block);
             }
             // A block of which nothing is left is not the end of the log.
             if ended || !block.is_empty() {
                 return Ok(block);
             }
         }
-    }
-
-    /// The next rows, where stays count those of which it is known whether they are of one.
-    fn settled(&mut self, count: usize) -> Result<Block, Error> {
-        while let Some(settling) = &mut self.settling {
-            if let Some(block) = settling.take() {
-                if !block.is_empty() {
-                    return Ok(block);
-                }
-            } else if settling.ended {
-                let found = settling.check();
-                found.map_err(|said| self.assembler.fault(None, said))?;
-                return Ok(Block::default());
-            } else {
-                let block = self.rows(count)?;
-                match &mut self.settling {
-                    Some(settling) if block.is_empty() => settling.end(),
-                    Some(settling) => settling.push(block),
-                    None => return Ok(block),
-                }
-            }
-        }
-        self.rows(count)
     }
 
     /// Pass over about `rows` rows without a look at them, and take `then` at once from there on;
@@ -264,6 +269,116 @@ impl PostureReader {
     /// # Errors
     /// A file that cannot be read there.
     pub(crate) fn skip(&mut self, rows: u64, then: usize) -> Result<bool, Error> {
+        match &mut self.origin {
+            Origin::File(reader) => reader.skip(rows, then),
+            Origin::Memory(kept, next, _) => {
+                *next = kept.rows.len().min(*next + rows as usize);
+                Ok(*next < kept.rows.len())
+            }
+        }
+    }
+
+    /// Rows that were taken from the file so far, those that were passed over not among them.
+    pub(crate) fn taken(&self) -> u64 {
+        match &self.origin {
+            Origin::File(reader) => {
+                reader.summary.rows + (reader.raw.line.len() - reader.given) as u64
+            }
+            Origin::Memory(_, _, given) => *given,
+        }
+    }
+
+    /// What the first row of a log that is read no further stands on; without a column of its
+    /// own in the log that is known before any row is read.
+    pub(crate) fn first_support(mut self) -> Result<Option<Arc<str>>, Error> {
+        if let Origin::File(reader) = &self.origin
+            && let Some(support) = reader.assembler.support_of_all()
+        {
+            return Ok(Some(support));
+        }
+        let block = self.block(1)?;
+        Ok(block.support.and_then(|all| all.first().cloned()))
+    }
+
+    /// Whether it is a recording, whose readings name their frames.
+    pub(crate) fn is_recording(&self) -> bool {
+        matches!(&self.origin, Origin::File(reader) if reader.source.knows_stays())
+    }
+
+    /// Names of columns that mean nothing to a robot of these joints.
+    pub(crate) fn unknown_columns(&self) -> &[String] {
+        match &self.origin {
+            Origin::File(reader) => &reader.assembler.columns.ignored,
+            Origin::Memory(..) => &[],
+        }
+    }
+
+    /// What averaging took off the variance of a single reading, as a part of it, once a
+    /// block was read: 0 where every reading is a row, 0.99 where rows are means of 100.
+    pub fn averaged(&self) -> f64 {
+        match &self.origin {
+            Origin::File(reader) => reader.assembler.averaged(),
+            Origin::Memory(kept, ..) => kept.averaged,
+        }
+    }
+
+    /// How much of the log was read, and of how much, in bytes of the file or in rows of
+    /// a Parquet file or a table; the whole of a pipe is not known.
+    pub fn progress(&self) -> (u64, Option<u64>) {
+        match &self.origin {
+            Origin::File(reader) => reader.source.progress(),
+            Origin::Memory(kept, next, _) => (*next as u64, Some(kept.rows.len() as u64)),
+        }
+    }
+
+    /// What was read; nothing before the end was reached.
+    pub fn summary(&self) -> Option<Summary> {
+        match &self.origin {
+            Origin::File(reader) => reader.ended.then(|| Summary {
+                hash: format!("{:016x}", reader.source.hash()),
+                ..reader.summary.clone()
+            }),
+            Origin::Memory(kept, ..) => kept.summary.clone(),
+        }
+    }
+}
+
+impl FileReader {
+    /// The next rows, before any is screened.
+    fn block(&mut self, count: usize) -> Result<Block, Error> {
+        let read = self.settled(count);
+        // What is wrong with a file that is being written is not its fault.
+        if read.as_ref().map_or(true, Block::is_empty)
+            && let Some((file, stamp)) = &self.watched
+        {
+            let unchanged = stamp.check(file);
+            unchanged.map_err(|source| Error::read(&self.assembler.file, source))?;
+        }
+        for pose in read.iter().flat_map(|block| &block.pose) {
+            let last = self.last_pose.replace(*pose);
+            self.summary.postures += u64::from(last != Some(*pose));
+        }
+        read
+    }
+
+    /// The next rows, where stays count those of which it is known whether they are of one.
+    fn settled(&mut self, count: usize) -> Result<Block, Error> {
+        while let Some(settling) = &mut self.settling {
+            let decided = settling.take();
+            if let Some(block) = decided.map_err(|said| self.assembler.fault(None, said))? {
+                return Ok(block);
+            }
+            let block = self.rows(count)?;
+            match &mut self.settling {
+                Some(settling) => settling.push(block),
+                None => return Ok(block),
+            }
+        }
+        self.rows(count)
+    }
+
+    /// See [`PostureReader::skip`].
+    fn skip(&mut self, rows: u64, then: usize) -> Result<bool, Error> {
         let waiting = self.raw.line.len() - self.given;
         let beyond = rows.saturating_sub(waiting as u64);
         if self.ended {
@@ -275,32 +390,12 @@ impl PostureReader {
         Ok(true)
     }
 
-    /// Rows that were taken from the file so far, those that were passed over not among them.
-    pub(crate) fn taken(&self) -> u64 {
-        self.summary.rows + (self.raw.line.len() - self.given) as u64
-    }
-
-    /// What the first row of a log that is read no further stands on; without a column of its
-    /// own in the log that is known before any row is read.
-    pub(crate) fn first_support(mut self) -> Result<Option<Arc<str>>, Error> {
-        if let Some(support) = self.assembler.support_of_all() {
-            return Ok(Some(support));
-        }
-        let block = self.block(1)?;
-        Ok(block.support.and_then(|all| all.first().cloned()))
-    }
-
-    /// Whether it is a recording, whose readings name their frames.
-    pub(crate) fn is_recording(&self) -> bool {
-        self.source.knows_stays()
-    }
-
     /// The next rows as they are in the log.
     fn rows(&mut self, count: usize) -> Result<Block, Error> {
         if !self.started {
             self.refill()?;
         }
-        let mut block = self.assembler.start();
+        let mut block = Block::default();
         while block.len() < count {
             if self.given == self.raw.line.len() && !self.refill()? {
                 break;
@@ -345,8 +440,7 @@ impl PostureReader {
                 return Err(error);
             }
             self.ended = self.raw.line.len() < self.chunk;
-            self.scale();
-            self.assembler.fill_unused(&mut self.raw);
+            self.assembler.scale(&mut self.raw);
             self.warnings.extend(self.source.warnings());
         }
         if first {
@@ -358,40 +452,6 @@ impl PostureReader {
                 .take_if(|_| self.assembler.columns.t.is_none());
         }
         Ok(!self.raw.line.is_empty())
-    }
-
-    /// Bring what was taken from the file to SI units.
-    fn scale(&mut self) {
-        let scaled = self.factors.iter().enumerate();
-        for (k, factor) in scaled.filter(|(_, factor)| **factor != 1.0) {
-            let values = self.raw.column(k, self.factors.len());
-            values.for_each(|x| *x *= factor);
-        }
-    }
-
-    /// Names of columns that mean nothing to a robot of these joints.
-    pub(crate) fn unknown_columns(&self) -> &[String] {
-        &self.assembler.columns.ignored
-    }
-
-    /// What averaging took off the variance of a single reading, as a part of it, once a
-    /// block was read: 0 where every reading is a row, 0.99 where rows are means of 100.
-    pub fn averaged(&self) -> f64 {
-        self.assembler.averaged()
-    }
-
-    /// How much of the log was read, and of how much, in bytes of the file or in rows of
-    /// a Parquet file or a table; the whole of a pipe is not known.
-    pub fn progress(&self) -> (u64, Option<u64>) {
-        self.source.progress()
-    }
-
-    /// What was read; nothing before the end was reached.
-    pub fn summary(&self) -> Option<Summary> {
-        self.ended.then(|| Summary {
-            hash: format!("{:016x}", self.source.hash()),
-            ..self.summary.clone()
-        })
     }
 }
 
@@ -448,15 +508,7 @@ fn open_source(
         #[cfg(not(feature = "parquet"))]
         return Err(Error::without("parquet", "Parquet", file));
         #[cfg(feature = "parquet")]
-        return Ok(Box::new(match place {
-            // What its columns are stands at the end.
-            Place::Stream(_) => {
-                let mut bytes = head;
-                input.read_to_end(&mut bytes).map_err(failed)?;
-                ParquetSource::open(&Place::Bytes(super::table::Shared::new(bytes)), file)?
-            }
-            _ => ParquetSource::open(place, file)?,
-        }));
+        return parquet::open(place, file);
     }
     if head.starts_with(b"\x89MCAP") {
         #[cfg(not(feature = "mcap"))]

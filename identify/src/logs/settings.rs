@@ -13,6 +13,7 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sesc_model::files::{self, TomlFault};
 use sesc_model::spelling::nearest;
+use sesc_model::urdf::suggestion;
 
 use super::block::Soles;
 use super::names::short;
@@ -87,40 +88,25 @@ impl Stays {
     /// What `--settle` asks for: stays of at least so many seconds alone, all rows by 0.
     ///
     /// # Errors
-    /// As [`Stays::alone`].
+    /// What is no length of a stay.
     ///
     /// # Examples
     /// ```
     /// # use sesc_identify::logs::Stays;
     /// assert_eq!(Stays::settled(0.5), Ok(Stays::Alone(0.5)));
     /// assert_eq!(Stays::settled(0.0), Ok(Stays::Moving));
+    /// assert!(Stays::settled(-1.0).unwrap_err().starts_with("give 0.01 to 3600 seconds"));
     /// ```
     pub fn settled(seconds: f64) -> Result<Stays, String> {
-        match seconds == 0.0 {
-            true => Ok(Stays::Moving),
-            false => Stays::alone(seconds).map_err(|said| format!("{said}, or 0 for all rows")),
-        }
-    }
-
-    /// Stays of at least so many seconds alone.
-    ///
-    /// # Errors
-    /// What is no length of a stay.
-    ///
-    /// # Examples
-    /// ```
-    /// # use sesc_identify::logs::Stays;
-    /// assert_eq!(Stays::alone(0.5), Ok(Stays::Alone(0.5)));
-    /// assert!(Stays::alone(-1.0).unwrap_err().starts_with("give 0.01 to 3600 seconds"));
-    /// ```
-    pub fn alone(seconds: f64) -> Result<Stays, String> {
         // No robot settles sooner, and nobody waits longer, s.
         let [least, longest] = [0.01, 3600.0];
-        if (least..=longest).contains(&seconds) {
-            return Ok(Stays::Alone(seconds));
+        match seconds {
+            0.0 => Ok(Stays::Moving),
+            _ if (least..=longest).contains(&seconds) => Ok(Stays::Alone(seconds)),
+            _ => Err(format!(
+                "give {least} to {longest} seconds of holding still, or 0 for all rows"
+            )),
         }
-        let said = format!("give {least} to {longest} seconds of holding still");
-        Err(said)
     }
 }
 
@@ -246,23 +232,23 @@ impl Sidecar {
     /// The sidecar that `log` has, and where it would be if it has none.
     pub fn of_log(log: &Path) -> PathBuf {
         let [path, older] = Sidecar::paths(log);
-        if !path.exists() && older.exists() {
-            return older;
+        match !path.exists() && older.exists() {
+            true => older,
+            false => path,
         }
-        path
     }
 
     /// Read the sidecar of `log`, and what is odd about it; a log without one
     /// has an empty one.
     pub fn of(log: &Path) -> Result<(Sidecar, Vec<Message>), Error> {
-        let path = Sidecar::of_log(log);
-        let file = path.display().to_string();
         if log.extension().is_some_and(|end| end == "toml") {
             let file = log.display();
             return Err(Error::request(format!(
                 "{file} ends like a sidecar; give the log itself"
             )));
         }
+        let path = Sidecar::of_log(log);
+        let file = path.display().to_string();
         match files::read_found_text(&path, files::SIDECAR) {
             Ok(text) => Sidecar::parse(&text, &file)
                 .map_err(|fault| Error::log(file, fault.line, fault.reason)),
@@ -284,17 +270,17 @@ impl Sidecar {
 
     pub(crate) fn parse(text: &str, file: &str) -> Result<(Sidecar, Vec<Message>), TomlFault> {
         let keys: BTreeMap<String, IgnoredAny> = files::parse_toml(text, 1)?;
-        let named = || KEYS.iter().map(|(key, _)| *key);
-        let unknown = keys.keys().filter(|key| !named().any(|own| own == *key));
-        let unknown: Vec<&String> = unknown.collect();
-        let mut warnings = Vec::new();
-        for key in unknown.iter().take(WARNED) {
-            let meant = match nearest(key, "", named()) {
-                Some(near) => format!("; did you mean `{near}`?"),
-                None => format!("; known are {}", named().collect::<Vec<_>>().join(", ")),
+        let known = KEYS.map(|(key, _)| key);
+        let is_unknown = |key: &&String| !known.contains(&key.as_str());
+        let unknown: Vec<&String> = keys.keys().filter(is_unknown).collect();
+        let named = unknown.iter().take(WARNED).map(|key| {
+            let meant = match nearest(key, "", known) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("known are {}", known.join(", ")),
             };
-            warnings.push(format!("{file}: unknown key `{}`{meant}", short(key)).into());
-        }
+            format!("{file}: unknown key `{}`; {meant}", short(key))
+        });
+        let mut warnings: Vec<Message> = named.map(Message::from).collect();
         if unknown.len() > WARNED {
             let more = unknown.len() - WARNED;
             warnings.push(format!("{file}: {more} more unknown keys").into());
@@ -311,9 +297,7 @@ impl Sidecar {
             return Ok(header.to_vec());
         };
         if let Some(missing) = columns.keys().find(|name| !header.contains(name)) {
-            let names: Vec<&str> = header.iter().map(String::as_str).collect();
-            let near = nearest(missing, "", names.iter().copied());
-            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+            let near = suggestion(missing, header.iter().map(String::as_str));
             return Err(format!(
                 "column `{missing}` is to be read under another name, but the log has none{near}"
             ));

@@ -30,6 +30,19 @@ impl Raw {
         self.numbers.iter_mut().skip(k).step_by(width)
     }
 
+    /// Append the poses of rows from `line` of the log called `file` on, as numbers.
+    ///
+    /// # Errors
+    /// The first row whose pose is not whole.
+    pub fn poses(&mut self, file: &str, line: u64, values: Vec<f64>) -> Result<(), Error> {
+        for (line, value) in (line..).zip(values) {
+            let pose = whole(value);
+            self.pose
+                .push(pose.map_err(|said| Error::log(file.to_string(), Some(line), said))?);
+        }
+        Ok(())
+    }
+
     /// Forget all rows, keeping the room for them.
     pub fn clear(&mut self) {
         self.line.clear();

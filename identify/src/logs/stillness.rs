@@ -201,16 +201,18 @@ pub(super) struct Settling {
     /// Stays so far.
     stays: usize,
     /// Whether the log has ended.
-    pub ended: bool,
+    ended: bool,
 }
 
 impl Settling {
-    /// Stays where nobody says what one is, in a log of `dof` joints.
-    pub fn new(dof: usize) -> Settling {
+    /// Stays in a log of `dof` joints; where `alone` says of how many seconds at least, without the
+    /// rows between them.
+    pub fn new(dof: usize, alone: Option<f64>) -> Settling {
+        let limits = alone.map_or(STAYED, StillnessLimits::lasting);
         Settling {
             dof,
-            cutter: StillnessCutter::new(STAYED),
-            alone: None,
+            cutter: StillnessCutter::new(limits),
+            alone,
             waiting: VecDeque::new(),
             first: 0,
             next: 0,
@@ -220,21 +222,17 @@ impl Settling {
         }
     }
 
-    /// Stays of at least `duration` seconds, without the rows between them.
-    pub fn alone(duration: f64, dof: usize) -> Settling {
-        Settling {
-            cutter: StillnessCutter::new(StillnessLimits::lasting(duration)),
-            alone: Some(duration),
-            ..Settling::new(dof)
-        }
-    }
-
-    /// The next rows of the log.
+    /// The next rows of the log, which has ended where there are none.
     pub fn push(&mut self, block: Block) {
-        let rows = block.len();
-        let t = block.t.clone().unwrap_or_default();
-        let q = block.q.clone();
-        self.waiting.push_back((block, vec![false; rows]));
+        if block.is_empty() {
+            let ended = self.cutter.end();
+            self.keep(ended);
+            self.ended = true;
+            return;
+        }
+        let held = vec![false; block.len()];
+        let (t, q) = (block.t.clone().unwrap_or_default(), block.q.clone());
+        self.waiting.push_back((block, held));
         for (t, q) in t.iter().zip(q.chunks_exact(self.dof)) {
             let ended = self.cutter.row(*t, q, self.next);
             self.next += 1;
@@ -242,35 +240,32 @@ impl Settling {
         }
     }
 
-    /// The log has ended.
-    pub fn end(&mut self) {
-        let ended = self.cutter.end();
-        self.keep(ended);
-        self.ended = true;
-    }
-
-    /// The next block, once it is known of each of its rows whether it is of a stay.
-    pub fn take(&mut self) -> Option<Block> {
-        let open = self.cutter.first().filter(|_| !self.ended);
-        let decided = open.copied().unwrap_or(self.next) - self.first;
-        let ready = |(block, _): &(Block, Vec<bool>)| block.len() <= decided;
-        self.waiting.front().filter(|own| ready(own))?;
-        let (mut block, held) = self.waiting.pop_front()?;
-        self.first += block.len();
-        if self.alone.is_some() {
-            block.retain(&held);
-        }
-        Some(block)
-    }
-
-    /// Whether there is a stay, where stays alone were asked for.
+    /// The next block, once it is known of each of its rows whether it is of a stay; an empty one
+    /// at the end of the log.
     ///
     /// # Errors
-    /// What is said of a log without.
-    pub fn check(&self) -> Result<(), String> {
+    /// What is said of a log without stays, where they alone were asked for.
+    pub fn take(&mut self) -> Result<Option<Block>, String> {
+        let open = self.cutter.first().filter(|_| !self.ended);
+        let decided = open.copied().unwrap_or(self.next);
+        let is_decided = |first: usize, waiting: Option<&(Block, Vec<bool>)>| {
+            waiting.is_some_and(|(block, _)| first + block.len() <= decided)
+        };
+        while is_decided(self.first, self.waiting.front())
+            && let Some((mut block, held)) = self.waiting.pop_front()
+        {
+            self.first += block.len();
+            if self.alone.is_some() {
+                block.retain(&held);
+            }
+            if !block.is_empty() {
+                return Ok(Some(block));
+            }
+        }
         match self.alone.filter(|_| self.stays == 0) {
+            _ if !self.ended => Ok(None),
             Some(duration) => Err(StillnessLimits::lasting(duration).nothing()),
-            None => Ok(()),
+            None => Ok(Some(Block::default())),
         }
     }
 
@@ -369,6 +364,13 @@ mod tests {
         }
     }
 
+    /// The blocks of which it is known by now.
+    fn decided(settling: &mut Settling) -> Vec<Block> {
+        let next = || settling.take().ok().flatten();
+        let next = std::iter::from_fn(next);
+        next.take_while(|block| !block.is_empty()).collect()
+    }
+
     /// What comes of a log that is given in blocks of a size.
     fn through(mut settling: Settling, log: &Block, size: usize) -> Block {
         let (mut all, mut blocks) = (Block::default(), Vec::new());
@@ -378,10 +380,10 @@ mod tests {
             let keep: Vec<bool> = rows.map(|k| (start..start + size).contains(&k)).collect();
             block.retain(&keep);
             settling.push(block);
-            blocks.extend(std::iter::from_fn(|| settling.take()));
+            blocks.extend(decided(&mut settling));
         }
-        settling.end();
-        blocks.extend(std::iter::from_fn(|| settling.take()));
+        settling.push(Block::default());
+        blocks.extend(decided(&mut settling));
         for block in blocks {
             all.line.extend(block.line);
             all.pose.extend(block.pose);
@@ -403,7 +405,7 @@ mod tests {
     #[test]
     fn rows_of_a_stay_share_its_pose_whatever_the_blocks() {
         for size in [1, 7, 64, 1000] {
-            let found = through(Settling::new(1), &log(400, stop), size);
+            let found = through(Settling::new(1, None), &log(400, stop), size);
             assert_eq!(found.line, (2..402).collect::<Vec<u64>>());
             let stay = found.pose.iter().filter(|pose| **pose == found.pose[200]);
             assert!((198..=202).contains(&stay.count()), "{:?}", found.pose);
@@ -417,18 +419,18 @@ mod tests {
     fn rows_of_a_slow_path_are_of_no_stay() {
         // Turns back every 5 s.
         let slow = |t: f64| 0.1 * (0.2 * std::f64::consts::PI * t).sin();
-        let found = through(Settling::new(1), &log(3000, slow), 512);
+        let found = through(Settling::new(1, None), &log(3000, slow), 512);
         assert_eq!(found, log(3000, slow));
     }
 
     #[test]
     fn alone_stays_are_given_out_with_the_mean_of_their_joints() {
-        let found = through(Settling::alone(0.5, 1), &log(400, stop), 100);
+        let found = through(Settling::new(1, Some(0.5)), &log(400, stop), 100);
         assert!((198..=206).contains(&found.len()), "{}", found.len());
         let same = |all: &[f64]| all.iter().all(|q| *q == all[0]);
         assert!(same(&found.q) && found.q[0].abs() < 1e-3, "{}", found.q[0]);
         assert!(found.pose.iter().all(|pose| *pose == found.pose[0]));
-        let none = through(Settling::alone(2.5, 1), &log(400, stop), 100);
+        let none = through(Settling::new(1, Some(2.5)), &log(400, stop), 100);
         assert_eq!(none.len(), 0);
     }
 }

@@ -2,12 +2,13 @@
 
 use std::fmt;
 use std::hash::Hasher as _;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use twox_hash::XxHash64;
 
 use super::columns::Columns;
-use super::source::{Raw, RowSource, whole};
+use super::source::{Raw, RowSource};
 use crate::Error;
 
 /// A posture log as columns in memory, named as those of a log file.
@@ -141,12 +142,12 @@ impl Column {
             Column::Texts(all) => all.as_ref().iter().for_each(|own| text(own)),
             Column::Unusable(_, what) => hash.write(what.as_bytes()),
             Column::Numbers(all) => {
-                let bytes = all.as_ref().iter().map(|x| x.to_le_bytes());
-                bytes.for_each(|x| hash.write(&x));
+                let all = all.as_ref().iter();
+                all.for_each(|x| hash.write(&x.to_le_bytes()));
             }
             Column::Integers(all) => {
-                let bytes = all.as_ref().iter().map(|x| x.to_le_bytes());
-                bytes.for_each(|x| hash.write(&x));
+                let all = all.as_ref().iter();
+                all.for_each(|x| hash.write(&x.to_le_bytes()));
             }
         }
     }
@@ -184,6 +185,21 @@ impl TableSource {
         let said = format!("column `{}` holds {what}", self.table.header[column]);
         Error::log(self.table.name.clone(), None, said)
     }
+
+    /// Rows of a column that has to hold numbers.
+    fn numbers(&self, column: usize, rows: &Range<usize>) -> Result<Vec<f64>, Error> {
+        match &self.table.columns[column] {
+            Column::Numbers(own) => Ok(own.as_ref()[rows.clone()].to_vec()),
+            Column::Integers(own) => {
+                let own = own.as_ref()[rows.clone()].iter();
+                Ok(own.map(|x| *x as f64).collect())
+            }
+            Column::Texts(_) => Err(self.fault(column, "no numbers")),
+            Column::Unusable(_, what) => {
+                Err(self.fault(column, &format!("{what}; cast them to numbers")))
+            }
+        }
+    }
 }
 
 impl RowSource for TableSource {
@@ -196,42 +212,24 @@ impl RowSource for TableSource {
         let (width, start) = (columns.numbers.len(), raw.numbers.len());
         raw.numbers.resize(start + rows.len() * width, f64::NAN);
         for (k, &column) in columns.numbers.iter().enumerate() {
+            let values = self.numbers(column, &rows)?;
             let places = raw.column(start + k, width);
-            match &self.table.columns[column] {
-                Column::Numbers(own) => {
-                    let values = &own.as_ref()[rows.clone()];
-                    places.zip(values).for_each(|(to, x)| *to = *x);
-                }
-                Column::Integers(own) => {
-                    let values = &own.as_ref()[rows.clone()];
-                    places.zip(values).for_each(|(to, x)| *to = *x as f64);
-                }
-                Column::Texts(_) => return Err(self.fault(column, "no numbers")),
-                Column::Unusable(_, what) => {
-                    return Err(self.fault(column, &format!("{what}; cast them to numbers")));
-                }
-            }
+            places.zip(values).for_each(|(to, x)| *to = x);
         }
         match columns.pose.map(|k| (k, &self.table.columns[k])) {
             None => {}
+            // Whole numbers of any size.
             Some((_, Column::Integers(own))) => raw.pose.extend(&own.as_ref()[rows.clone()]),
-            Some((_, Column::Numbers(own))) => {
-                for (row, &value) in rows.clone().zip(&own.as_ref()[rows.clone()]) {
-                    let at = Some(row as u64 + 1);
-                    let bad = |said| Error::log(self.table.name.clone(), at, said);
-                    raw.pose.push(whole(value).map_err(bad)?);
-                }
-            }
-            Some((k, Column::Texts(_))) => return Err(self.fault(k, "no numbers")),
-            Some((k, Column::Unusable(_, what))) => {
-                return Err(self.fault(k, &format!("{what}; cast them to numbers")));
+            Some((k, _)) => {
+                let values = self.numbers(k, &rows)?;
+                raw.poses(&self.table.name, self.done as u64 + 1, values)?;
             }
         }
         match columns.support.map(|k| (k, &self.table.columns[k])) {
             None => {}
-            Some((_, Column::Texts(own))) => raw
-                .support
-                .extend(own.as_ref()[rows.clone()].iter().cloned()),
+            Some((_, Column::Texts(own))) => {
+                raw.support.extend_from_slice(&own.as_ref()[rows.clone()]);
+            }
             Some((k, _)) => return Err(self.fault(k, "no text")),
         }
         raw.line.extend(rows.clone().map(|row| row as u64 + 1));
@@ -255,6 +253,7 @@ impl RowSource for TableSource {
 }
 
 /// Values that somebody else owns, without a copy: a vector, an array of another language.
+#[derive(Clone)]
 pub(super) struct Shared<T>(Arc<dyn AsRef<[T]> + Send + Sync>);
 
 impl<T> Shared<T> {
@@ -266,12 +265,6 @@ impl<T> Shared<T> {
 impl<T> AsRef<[T]> for Shared<T> {
     fn as_ref(&self) -> &[T] {
         (*self.0).as_ref()
-    }
-}
-
-impl<T> Clone for Shared<T> {
-    fn clone(&self) -> Shared<T> {
-        Shared(self.0.clone())
     }
 }
 

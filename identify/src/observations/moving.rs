@@ -11,11 +11,11 @@ use std::ops::{Deref, DerefMut};
 use super::correlation;
 use super::motion::{Motion, Plan, Wanted};
 use crate::Error;
-use crate::logs::{Block, Rows};
+use crate::logs::{Block, PostureReader};
 
 /// Rows of a log for which one knows their motion where it has a plan for it.
 pub struct Moving {
-    log: Rows,
+    log: PostureReader,
     dof: usize,
     plan: Option<Plan>,
     wanted: Wanted,
@@ -28,24 +28,24 @@ pub struct Moving {
 }
 
 impl Deref for Moving {
-    type Target = Rows;
+    type Target = PostureReader;
 
-    fn deref(&self) -> &Rows {
+    fn deref(&self) -> &PostureReader {
         &self.log
     }
 }
 
 impl DerefMut for Moving {
-    fn deref_mut(&mut self) -> &mut Rows {
+    fn deref_mut(&mut self) -> &mut PostureReader {
         &mut self.log
     }
 }
 
 impl Moving {
     /// Read postures of a robot with `dof` joints; plain rows without a plan.
-    pub fn new(rows: impl Into<Rows>, dof: usize, plan: Option<Plan>, wanted: Wanted) -> Moving {
+    pub fn new(log: PostureReader, dof: usize, plan: Option<Plan>, wanted: Wanted) -> Moving {
         Moving {
-            log: rows.into(),
+            log,
             dof,
             step_s: plan.as_ref().map(|plan| plan.step_s),
             plan,
@@ -59,21 +59,20 @@ impl Moving {
     /// With the plan that the first `head` rows of the log suggest.
     ///
     /// # Errors
-    /// As [`Rows::block`].
+    /// As [`PostureReader::block`].
     pub fn planned(
-        rows: impl Into<Rows>,
+        mut log: PostureReader,
         dof: usize,
         head: usize,
         wanted: Wanted,
     ) -> Result<Moving, Error> {
-        let mut rows = rows.into();
-        let first = rows.block(head)?;
+        let first = log.block(head)?;
         let t = first.t.as_ref();
         let plan = t.and_then(|t| Plan::of(t, &first.q, dof));
         Ok(Moving {
             step_s: t.and_then(|t| correlation::step(t)),
             ahead: Some(first),
-            ..Moving::new(rows, dof, plan, wanted)
+            ..Moving::new(log, dof, plan, wanted)
         })
     }
 
@@ -90,7 +89,7 @@ impl Moving {
     /// The next rows, at most `rows`; empty at the end. With their motion, where joints move.
     ///
     /// # Errors
-    /// As [`Rows::block`].
+    /// As [`PostureReader::block`].
     pub fn rows(&mut self, rows: usize) -> Result<(Block, Option<Motion>), Error> {
         let block = match self.ahead.take() {
             Some(block) => block,
@@ -112,7 +111,7 @@ impl Moving {
     /// The same without rows whose motion is not known.
     ///
     /// # Errors
-    /// As [`Rows::block`].
+    /// As [`PostureReader::block`].
     pub fn known_rows(&mut self, rows: usize) -> Result<(Block, Option<Motion>), Error> {
         loop {
             let (mut block, motion) = self.rows(rows)?;

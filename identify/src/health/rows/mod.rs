@@ -42,7 +42,7 @@ use super::finding::{Finding, Kind, Picture, Row};
 use super::view::{On, View, evenly};
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::logs::{Block, LogSource, Options, PostureReader, ROOM, Rows, Samples};
+use crate::logs::{Block, LogSource, Options, PostureReader, ROOM, Samples};
 use crate::observations::correlation;
 use crate::observations::motion::{Plan, Wanted};
 use crate::observations::noise::NoiseSource;
@@ -405,7 +405,7 @@ impl Sample {
     ///
     /// # Errors
     /// What is wrong with the log.
-    fn next(&mut self, reader: &mut Rows) -> Result<Option<Block>, Error> {
+    fn next(&mut self, reader: &mut PostureReader) -> Result<Option<Block>, Error> {
         let block = match self.to_come {
             _ if self.taken >= ROWS => return Ok(None),
             // Rows of the end may still wait for the end of their stay.
@@ -442,7 +442,7 @@ impl Sample {
 
     /// About so many rows are behind the last one, if they are as long as those before; none
     /// where that is not known.
-    fn rows_left(&self, reader: &Rows) -> Option<u64> {
+    fn rows_left(&self, reader: &PostureReader) -> Option<u64> {
         let (done, total) = reader.progress();
         // More than were given out where rows wait for the end of their stay.
         let rows = (reader.taken() + self.passed).max(1);

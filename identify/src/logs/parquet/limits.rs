@@ -20,16 +20,14 @@
 //! list        items << 4 | type, or 15 << 4 | type and count; values
 //! ```
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::sync::Arc;
 
-use bytes::Bytes;
 use parquet::basic::Compression;
 use parquet::column::page::PageReader;
 use parquet::errors::{ParquetError, Result};
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData, ParquetMetaDataReader};
-use parquet::file::reader::{ChunkReader, Length};
+use parquet::file::reader::ChunkReader;
 use parquet::file::serialized_reader::SerializedPageReader;
 
 /// An unpacked page, bytes.
@@ -41,143 +39,117 @@ fn refused<T>(message: String) -> Result<T> {
     Err(ParquetError::General(message))
 }
 
-/// The bytes of a file.
-pub(super) enum Input {
-    File(Arc<File>),
-    Memory(Arc<Bytes>),
+/// The file's footer, and the rows of its groups.
+///
+/// # Errors
+/// What a file of its length cannot hold, in a sentence.
+pub(super) fn footer(input: &impl ChunkReader) -> Result<(ParquetMetaData, u64)> {
+    let length = input.len();
+    let Some(end) = length.checked_sub(8) else {
+        return refused("it has less than eight bytes".into());
+    };
+    let tail = input.get_bytes(end, 8)?;
+    let size = u64::from(u32::from_le_bytes([tail[0], tail[1], tail[2], tail[3]]));
+    match &tail[4..] {
+        b"PAR1" if size <= end.min(64 << 20) => {}
+        b"PAR1" => return refused(format!("its footer claims {size} bytes")),
+        b"PARE" => return refused(ENCRYPTED.into()),
+        _ => return refused("it does not end like one".into()),
+    }
+    let footer = input.get_bytes(end - size, size as usize)?;
+    let (mut nested, mut chunks, mut is_encrypted) = (0, 0, false);
+    Walk::new(&footer, kinds_of_footer).structure(&mut |path, n| match path {
+        // Whatever is left of a number of more bits than it should have.
+        [2, 5] if n != 0 => nested += 1,
+        [2] | [4] | [4, 1] => chunks += n,
+        [8] => is_encrypted = true,
+        _ => {}
+    })?;
+    if is_encrypted {
+        return refused(ENCRYPTED.into());
+    } else if nested > 200 {
+        return refused(format!("{nested} nested columns; a log is a flat table"));
+    } else if chunks > 500_000 {
+        return refused(format!(
+            "{chunks} columns of row groups; write larger groups"
+        ));
+    }
+    let about = ParquetMetaDataReader::decode_metadata(&footer)?;
+    let add = |sum: u64, n: i64| sum.saturating_add(n.max(0) as u64);
+    let groups = about.row_groups().iter();
+    let rows = groups.clone().map(|group| group.num_rows()).fold(0, add);
+    if rows > 1_000_000_u64.saturating_add(length.saturating_mul(1000)) {
+        return refused(format!("it claims {rows} rows in {length} bytes"));
+    }
+    let chunks = groups.flat_map(|group| group.columns());
+    let packed = chunks.map(|chunk| chunk.compressed_size()).fold(0, add);
+    if packed > length {
+        return refused(format!("its columns claim {packed} bytes of {length}"));
+    }
+    Ok((about, rows))
 }
 
-impl Input {
-    fn len(&self) -> u64 {
-        match self {
-            Input::File(file) => Length::len(&**file),
-            Input::Memory(bytes) => Length::len(&**bytes),
-        }
+/// The pages of a chunk of a column, each held against its bytes before it is unpacked.
+pub(super) fn pages<R: ChunkReader + 'static>(
+    input: &Arc<R>,
+    chunk: &ColumnChunkMetaData,
+    rows: usize,
+) -> Result<Box<dyn PageReader>> {
+    let (mut at, length) = chunk.byte_range();
+    let end = at.saturating_add(length);
+    let is_gzip = matches!(chunk.compression(), Compression::GZIP(_));
+    while at < end {
+        at = check_page(&**input, at, is_gzip)?;
     }
+    let pages = SerializedPageReader::new(input.clone(), chunk, rows, None)?;
+    Ok(Box::new(pages))
+}
 
-    fn bytes(&self, start: u64, length: usize) -> Result<Bytes> {
-        match self {
-            Input::File(file) => file.get_bytes(start, length),
-            Input::Memory(bytes) => bytes.get_bytes(start, length),
-        }
-    }
-
-    /// The file's footer.
-    ///
-    /// # Errors
-    /// What a file of its length cannot hold, in a sentence.
-    pub fn footer(&self) -> Result<ParquetMetaData> {
-        let length = self.len();
-        let Some(end) = length.checked_sub(8) else {
-            return refused("it has less than eight bytes".into());
-        };
-        let tail = self.bytes(end, 8)?;
-        let size = u64::from(u32::from_le_bytes([tail[0], tail[1], tail[2], tail[3]]));
-        match &tail[4..] {
-            b"PAR1" if size <= end.min(64 << 20) => {}
-            b"PAR1" => return refused(format!("its footer claims {size} bytes")),
-            b"PARE" => return refused(ENCRYPTED.into()),
-            _ => return refused("it does not end like one".into()),
-        }
-        let footer = self.bytes(end - size, size as usize)?;
-        let (mut nested, mut chunks, mut is_encrypted) = (0, 0, false);
-        Walk::new(&footer, kinds_of_footer).structure(&mut |path, n| match path {
-            // Whatever is left of a number of more bits than it should have.
-            [2, 5] if n != 0 => nested += 1,
-            [2] | [4] | [4, 1] => chunks += n,
-            [8] => is_encrypted = true,
+/// Check the page whose header begins at `at`; where the next one begins.
+fn check_page(input: &impl ChunkReader, at: u64, is_gzip: bool) -> Result<u64> {
+    let left = usize::try_from(input.len().saturating_sub(at)).unwrap_or(usize::MAX);
+    let [mut unpacked, mut packed, mut entries, mut levels] = [0i64; 4];
+    // Mostly a header is short; statistics with long texts are rare.
+    let mut window = 256;
+    let header = loop {
+        let bytes = input.get_bytes(at, left.min(window))?;
+        let mut walk = Walk::new(&bytes, kinds_of_page);
+        let walked = walk.structure(&mut |path, n| match path {
+            [2] => unpacked = n,
+            [3] => packed = n,
+            [7, 1] => entries = n,
+            [8, 5 | 6] => levels += n.clamp(0, PAGE + 1),
             _ => {}
-        })?;
-        if is_encrypted {
-            return refused(ENCRYPTED.into());
-        } else if nested > 200 {
-            return refused(format!("{nested} nested columns; a log is a flat table"));
-        } else if chunks > 500_000 {
+        });
+        match walked {
+            Ok(()) => break bytes.len() - walk.left.len(),
+            Err(error) if left <= window || window >= 1 << 20 => return Err(error),
+            Err(_) => (window, levels) = (window * 16, 0),
+        }
+    };
+    let most = packed.max(0).saturating_mul(200).saturating_add(4 << 20);
+    if unpacked > PAGE.min(most) || unpacked < levels || packed < 0 {
+        return refused(format!(
+            "a page of {packed} bytes claims to unpack to {unpacked}; write pages of a few MiB"
+        ));
+    }
+    if entries > unpacked || entries < 0 {
+        return refused(format!(
+            "a dictionary of {unpacked} bytes claims {entries} entries"
+        ));
+    }
+    let at = at + header as u64;
+    // The other ways of packing keep to what the header says.
+    if is_gzip && packed > levels {
+        let page = input.get_bytes(at + levels as u64, (packed - levels) as usize)?;
+        let mut page = flate2::read::MultiGzDecoder::new(&*page).take(unpacked as u64 + 1);
+        if io::copy(&mut page, &mut io::sink()).is_ok_and(|size| size > unpacked as u64) {
             return refused(format!(
-                "{chunks} columns of row groups; write larger groups"
+                "a page unpacks to more than the {unpacked} it claims"
             ));
         }
-        let about = ParquetMetaDataReader::decode_metadata(&footer)?;
-        let sum = |numbers: &mut dyn Iterator<Item = i64>| {
-            numbers.fold(0, |sum: u64, n| sum.saturating_add(n.max(0) as u64))
-        };
-        let groups = about.row_groups().iter();
-        let rows = sum(&mut groups.clone().map(|group| group.num_rows()));
-        if rows > 1_000_000_u64.saturating_add(length.saturating_mul(1000)) {
-            return refused(format!("it claims {rows} rows in {length} bytes"));
-        }
-        let chunks = groups.flat_map(|group| group.columns());
-        let packed = sum(&mut chunks.map(|chunk| chunk.compressed_size()));
-        if packed > length {
-            return refused(format!("its columns claim {packed} bytes of {length}"));
-        }
-        Ok(about)
     }
-
-    /// The pages of a chunk of a column, each held against its bytes before it is unpacked.
-    pub fn pages(&self, chunk: &ColumnChunkMetaData, rows: usize) -> Result<Box<dyn PageReader>> {
-        let (mut at, length) = chunk.byte_range();
-        let end = at.saturating_add(length);
-        let is_gzip = matches!(chunk.compression(), Compression::GZIP(_));
-        while at < end {
-            at = self.check_page(at, is_gzip)?;
-        }
-        Ok(match self {
-            Input::File(file) => {
-                Box::new(SerializedPageReader::new(file.clone(), chunk, rows, None)?)
-            }
-            Input::Memory(bytes) => {
-                Box::new(SerializedPageReader::new(bytes.clone(), chunk, rows, None)?)
-            }
-        })
-    }
-
-    /// Check the page whose header begins at `at`; where the next one begins.
-    fn check_page(&self, at: u64, is_gzip: bool) -> Result<u64> {
-        let left = usize::try_from(self.len().saturating_sub(at)).unwrap_or(usize::MAX);
-        let [mut unpacked, mut packed, mut entries, mut levels] = [0i64; 4];
-        // Mostly a header is short; statistics with long texts are rare.
-        let mut window = 256;
-        let header = loop {
-            let bytes = self.bytes(at, left.min(window))?;
-            let mut walk = Walk::new(&bytes, kinds_of_page);
-            let walked = walk.structure(&mut |path, n| match path {
-                [2] => unpacked = n,
-                [3] => packed = n,
-                [7, 1] => entries = n,
-                [8, 5 | 6] => levels += n.clamp(0, PAGE + 1),
-                _ => {}
-            });
-            match walked {
-                Ok(()) => break bytes.len() - walk.left.len(),
-                Err(error) if left <= window || window >= 1 << 20 => return Err(error),
-                Err(_) => (window, levels) = (window * 16, 0),
-            }
-        };
-        let most = packed.max(0).saturating_mul(200).saturating_add(4 << 20);
-        if unpacked > PAGE.min(most) || unpacked < levels || packed < 0 {
-            return refused(format!(
-                "a page of {packed} bytes claims to unpack to {unpacked}; write pages of a few MiB"
-            ));
-        }
-        if entries > unpacked || entries < 0 {
-            return refused(format!(
-                "a dictionary of {unpacked} bytes claims {entries} entries"
-            ));
-        }
-        let at = at + header as u64;
-        // The other ways of packing keep to what the header says.
-        if is_gzip && packed > levels {
-            let page = self.bytes(at + levels as u64, (packed - levels) as usize)?;
-            let mut page = flate2::read::MultiGzDecoder::new(&*page).take(unpacked as u64 + 1);
-            if io::copy(&mut page, &mut io::sink()).is_ok_and(|size| size > unpacked as u64) {
-                return refused(format!(
-                    "a page unpacks to more than the {unpacked} it claims"
-                ));
-            }
-        }
-        Ok(at + packed as u64)
-    }
+    Ok(at + packed as u64)
 }
 
 /// Kinds of the fields of a structure by their ids from 1: number, y for a byte, bytes, structure,
@@ -225,6 +197,8 @@ fn kinds_of_page(path: &[i16]) -> &'static [u8] {
     }
 }
 
+/// Kinds by their numbers in the heads of fields, from 0.
+const KINDS: [u8; 16] = *b"???ynnndbl??s???";
 const STATISTICS: &[u8] = b"bbnnbb..n";
 
 /// A walk over bytes.
@@ -261,15 +235,7 @@ impl<'a> Walk<'a> {
             }
             id = id.saturating_add(delta);
             let known = kinds.get(id as usize - usize::from(id > 0));
-            let is_so = match known {
-                Some(b'n') => matches!(kind, 4..=6),
-                Some(b'y') => kind == 3,
-                Some(b'd') => kind == 7,
-                Some(b'b') => kind == 8,
-                Some(b'l') => kind == 9,
-                Some(b's') => kind == 12,
-                _ => true,
-            };
+            let is_so = known.is_none_or(|own| [b'.', KINDS[usize::from(kind)]].contains(own));
             self.path.push(id);
             // Ids that do not follow each other are written in another way.
             if delta == 0 || !is_so {

@@ -11,25 +11,27 @@ use std::fs::File;
 use std::io;
 use std::sync::Arc;
 
+use bytes::Bytes;
 use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::ParquetMetaData;
+use parquet::file::reader::ChunkReader;
 use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor};
 
-use self::limits::{ENCRYPTED, Input};
+use self::limits::ENCRYPTED;
 pub(super) use self::sink::ParquetSink;
 use super::columns::{Columns, POSE, SUPPORT};
 use super::input::{Metered, Place};
-use super::source::{Raw, RowSource, catch_panic, repeated, whole};
+use super::source::{Raw, RowSource, catch_panic, repeated};
 use crate::{Error, Setting, message};
 
 /// A Parquet file being read.
-pub(super) struct ParquetSource {
+struct ParquetSource<R> {
     file: String,
     place: Place,
-    input: Input,
+    input: Arc<R>,
     footer: ParquetMetaData,
     header: Vec<String>,
     /// Row groups that were opened.
@@ -40,56 +42,51 @@ pub(super) struct ParquetSource {
     left: u64,
     done: u64,
     total: u64,
-    /// Hash of all bytes, once the last row was read and none was passed over.
+    /// Hash of all bytes, once the last row was read; nobody asks for it where rows were passed over.
     hash: Option<u64>,
-    /// Rows were passed over: nobody asks for the hash.
-    passed: bool,
 }
 
-impl ParquetSource {
-    /// Read the columns' names; `file` names the log in messages.
-    pub fn open(place: &Place, file: &str) -> Result<ParquetSource, Error> {
-        let input = match place {
-            Place::File(path) => File::open(path).map(|file| Input::File(Arc::new(file))),
-            Place::Bytes(bytes) => {
-                let bytes = bytes::Bytes::from_owner(bytes.clone());
-                Ok(Input::Memory(Arc::new(bytes)))
-            }
-            Place::Stream(_) | Place::Table(_) => Err(io::ErrorKind::Unsupported.into()),
-        };
-        let input = input.map_err(|source| Error::read(file.to_string(), source))?;
-        let footer = guarded(|| input.footer()).map_err(|error| damaged(file, None, &error))?;
-        let about = footer.file_metadata();
-        let header: Vec<String> = about
-            .schema_descr()
-            .columns()
-            .iter()
-            .map(|column| match column.path().string() {
-                // The row labels of a data frame.
-                index if index.starts_with("__index_level_") => match unit(column) {
-                    Some(_) => "timestamp".to_string(),
-                    None => String::new(),
-                },
-                name => name.trim().to_string(),
-            })
-            .collect();
-        let rows = footer.row_groups().iter();
-        let total = rows
-            .map(|group| u64::try_from(group.num_rows()).unwrap_or(0))
-            .fold(0u64, u64::saturating_add);
+/// Read the columns' names; `file` names the log in messages.
+pub(super) fn open(place: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
+    let failed = |source| Error::read(file.to_string(), source);
+    Ok(match place {
+        Place::File(path) => {
+            let input = File::open(path).map_err(failed)?;
+            Box::new(ParquetSource::new(input, place, file)?)
+        }
+        Place::Bytes(bytes) => {
+            let input = Bytes::from_owner(bytes.clone());
+            Box::new(ParquetSource::new(input, place, file)?)
+        }
+        Place::Table(_) => return Err(failed(io::ErrorKind::Unsupported.into())),
+    })
+}
+
+impl<R: ChunkReader + 'static> ParquetSource<R> {
+    fn new(input: R, place: &Place, file: &str) -> Result<ParquetSource<R>, Error> {
+        let read = guarded(|| limits::footer(&input));
+        let (footer, total) = read.map_err(|error| damaged(file, None, &error))?;
+        let columns = footer.file_metadata().schema_descr().columns().iter();
+        let header = columns.map(|column| match column.path().string() {
+            // The row labels of a data frame.
+            index if index.starts_with("__index_level_") => match unit(column) {
+                Some(_) => "timestamp".to_string(),
+                None => String::new(),
+            },
+            name => name.trim().to_string(),
+        });
         Ok(ParquetSource {
             file: file.to_string(),
             place: place.clone(),
-            input,
+            input: Arc::new(input),
+            header: header.collect(),
             footer,
-            header,
             groups: 0,
             open: Vec::new(),
             left: 0,
             done: 0,
             total,
             hash: None,
-            passed: false,
         })
     }
 
@@ -110,7 +107,7 @@ impl ParquetSource {
                 let wanted = columns.numbers.iter().copied();
                 let wanted = wanted.chain(columns.pose).chain(columns.support);
                 let open = wanted.map(|k| {
-                    let pages = self.input.pages(group.column(k), rows)?;
+                    let pages = limits::pages(&self.input, group.column(k), rows)?;
                     Ok(get_column_reader(self.column(k), pages))
                 });
                 Ok((rows as u64, open.collect::<Result<Vec<_>, ParquetError>>()?))
@@ -176,11 +173,7 @@ impl ParquetSource {
                 let places = raw.column(start + k, width);
                 places.zip(values).for_each(|(to, x)| *to = x * factor);
             } else {
-                for (line, value) in (self.done + 1..).zip(values) {
-                    let pose = whole(value);
-                    let pose = pose.map_err(|said| Error::log(self.file.clone(), Some(line), said));
-                    raw.pose.push(pose?);
-                }
+                raw.poses(&self.file, self.done + 1, values)?;
             }
         }
         self.open = open;
@@ -204,7 +197,7 @@ impl ParquetSource {
     }
 }
 
-impl RowSource for ParquetSource {
+impl<R: ChunkReader + 'static> RowSource for ParquetSource<R> {
     fn header(&self) -> &[String] {
         &self.header
     }
@@ -219,7 +212,7 @@ impl RowSource for ParquetSource {
             self.rows(columns, n, raw)?;
             missing -= n;
         }
-        if missing > 0 && !self.passed && self.hash.is_none() {
+        if missing > 0 && self.hash.is_none() {
             // Columns lie one behind the other, so that no reader of rows meets the bytes in
             // their order.
             let mut all = Metered::open(&self.place, &self.file)?;
@@ -231,7 +224,7 @@ impl RowSource for ParquetSource {
     }
 
     fn skip(&mut self, columns: &Columns, mut rows: u64) -> Result<(), Error> {
-        self.passed = true;
+        self.hash.get_or_insert(0);
         while rows > 0 && self.next_group(columns)? {
             if rows >= self.left {
                 rows -= self.left;

@@ -1,8 +1,6 @@
 //! Logs that are in memory: tables and bytes are read as files are.
 
-use std::io::{self, Read};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::{dofs, log, read_file};
 use crate::logs::*;
@@ -47,61 +45,6 @@ fn tables_and_bytes_read_as_files_do() {
     expected.line = vec![1, 2, 3];
     assert_eq!(block, expected);
     assert_eq!((summary.rows, summary.postures), (3, 2));
-}
-
-/// A stream is the log of its bytes, and is started as often as it is read.
-#[test]
-fn streams_read_as_files_do() {
-    let (_folder, path) = log("log.csv", CSV.as_bytes(), SIDECAR);
-    let (sidecar, _) = LogSource::from(&path).sidecar().unwrap();
-    let started = Arc::new(AtomicUsize::new(0));
-    let count = started.clone();
-    let open = move || {
-        count.fetch_add(1, Ordering::Relaxed);
-        Ok(OneByOne(CSV.as_bytes()))
-    };
-    let stream = LogSource::stream("log.csv", open).with_sidecar(sidecar);
-    assert!(stream.can_be_read_again() && stream.path().is_none());
-    for time in 1..3 {
-        let of_file = whole(&LogSource::from(&path)).unwrap();
-        assert_eq!(whole(&stream).unwrap(), of_file);
-        assert_eq!(started.load(Ordering::Relaxed), time);
-    }
-}
-
-/// Gives a byte at a time, as a slow line does.
-struct OneByOne(&'static [u8]);
-
-impl Read for OneByOne {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let few = buffer.len().min(1);
-        self.0.read(&mut buffer[..few])
-    }
-}
-
-/// What breaks off is an error with the log's name, wherever it breaks off.
-#[test]
-fn streams_that_break_off_are_errors() {
-    struct Broken;
-    impl Read for Broken {
-        fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
-            Err(io::ErrorKind::ConnectionReset.into())
-        }
-    }
-    let refused = LogSource::stream("far.csv", || -> io::Result<Broken> {
-        Err(io::ErrorKind::ConnectionRefused.into())
-    });
-    let late = LogSource::stream("far.csv", || Ok(CSV.as_bytes().chain(Broken)));
-    let now = LogSource::reader("far.csv", Broken).unwrap_err();
-    let errors = [
-        (whole(&refused).unwrap_err(), crate::ErrorKind::Read),
-        (now, crate::ErrorKind::Read),
-        (whole(&late).unwrap_err(), crate::ErrorKind::Log),
-    ];
-    for (error, kind) in errors {
-        assert!(error.to_string().contains("far.csv"), "{error}");
-        assert_eq!(error.kind(), kind, "{error}");
-    }
 }
 
 /// Equal columns have equal hashes, and any other value another.
