@@ -108,14 +108,16 @@ impl PostureWriter {
 
     /// Append a row.
     pub fn row(&mut self, row: &Row) -> Result<(), Error> {
-        #[cfg(feature = "parquet")]
-        if let Sink::Parquet(sink) = &mut self.sink {
-            return sink.row(row, self.columns);
-        }
-        self.text.clear();
-        let failed = |source| files::failed(&self.path, source);
-        line(&mut self.text, row, self.columns).map_err(failed)?;
-        Ok(self.sink.write(&self.text).map_err(failed)?)
+        let written = match &mut self.sink {
+            #[cfg(feature = "parquet")]
+            Sink::Parquet(sink) => sink.row(row, self.columns),
+            sink => {
+                self.text.clear();
+                let text = &mut self.text;
+                line(text, row, self.columns).and_then(|()| sink.write(text))
+            }
+        };
+        Ok(written.map_err(|source| files::failed(&self.path, source))?)
     }
 
     /// Complete the log and write its sidecar, whose path is given back; a log on a stream has
@@ -150,7 +152,10 @@ impl Sink {
                 flate2::Compression::fast(),
             )),
             #[cfg(feature = "parquet")]
-            "parquet" => Sink::Parquet(super::parquet::ParquetSink::create(path, header)?),
+            "parquet" => {
+                let sink = super::parquet::ParquetSink::new(NewFile::create(path)?, header);
+                Sink::Parquet(sink.map_err(|source| files::failed(path, source))?)
+            }
             #[cfg(not(feature = "parquet"))]
             "parquet" => return Err(Error::without("parquet", "Parquet", &name.to_string())),
             "csv" | "" => Sink::Plain(NewFile::create(path)?),
@@ -171,7 +176,7 @@ impl Sink {
             Sink::Plain(file) => file,
             Sink::Packed(file) => file.finish().map_err(failed)?,
             #[cfg(feature = "parquet")]
-            Sink::Parquet(sink) => sink.finish()?,
+            Sink::Parquet(sink) => sink.finish().map_err(failed)?,
             Sink::Stream(mut to) => {
                 to.flush().map_err(failed)?;
                 return Ok(None);

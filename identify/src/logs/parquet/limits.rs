@@ -197,8 +197,10 @@ fn kinds_of_page(path: &[i16]) -> &'static [u8] {
     }
 }
 
-/// Kinds by their numbers in the heads of fields, from 0.
+/// Kinds by their numbers in the heads of fields, from 0; of some the format has no field.
 const KINDS: [u8; 16] = *b"???ynnndbl??s???";
+
+/// Statistics, in the footer and before a page.
 const STATISTICS: &[u8] = b"bbnnbb..n";
 
 /// A walk over bytes.

@@ -1,6 +1,6 @@
 //! Writing Parquet logs. Memory: two groups of rows.
 
-use std::path::{Path, PathBuf};
+use std::io;
 use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
@@ -10,13 +10,11 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use crate::Error;
-use crate::files::{self, NewFile};
+use crate::files::NewFile;
 use crate::logs::columns::{Field, POSE, Row, SUPPORT, Written, fields};
 
 /// A Parquet file being written, a group of rows at a time.
 pub(in crate::logs) struct ParquetSink {
-    path: PathBuf,
     /// Those of the group, column by column.
     group: Vec<Values>,
     rows: usize,
@@ -32,8 +30,7 @@ enum Values {
 impl ParquetSink {
     /// Start a file with the columns `names`: `pose` whole, `support` text, the
     /// others numbers.
-    pub fn create(path: &Path, names: &[String]) -> Result<ParquetSink, Error> {
-        let failed = |error| unwritten(path, error);
+    pub fn new(file: NewFile, names: &[String]) -> io::Result<ParquetSink> {
         let group = names.iter().map(|name| match name.as_str() {
             POSE => Values::Whole(Vec::new()),
             SUPPORT => Values::Text(Vec::new()),
@@ -51,25 +48,22 @@ impl ParquetSink {
                 .with_logical_type(logical);
             field.build().map(Arc::new)
         });
-        let fields = fields.collect::<Result<_, _>>().map_err(failed)?;
+        let fields = fields.collect::<Result<_, ParquetError>>()?;
         let schema = Type::group_type_builder("postures").with_fields(fields);
-        let schema = schema.build().map_err(failed)?;
+        let schema = Arc::new(schema.build()?);
         let properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             .set_dictionary_enabled(false)
             .build();
-        let file = NewFile::create(path)?;
-        let writer = SerializedFileWriter::new(file, Arc::new(schema), properties.into());
         Ok(ParquetSink {
-            path: path.to_path_buf(),
             group,
             rows: 0,
-            writer: writer.map_err(failed)?,
+            writer: SerializedFileWriter::new(file, schema, properties.into())?,
         })
     }
 
     /// Append a row.
-    pub fn row(&mut self, row: &Row, columns: Written) -> Result<(), Error> {
+    pub fn row(&mut self, row: &Row, columns: Written) -> io::Result<()> {
         for (field, values) in fields(row, columns).zip(&mut self.group) {
             match (field, values) {
                 (Field::Whole(x), Values::Whole(all)) => all.push(x),
@@ -86,45 +80,38 @@ impl ParquetSink {
         Ok(())
     }
 
-    fn flush(&mut self) -> Result<(), Error> {
+    fn flush(&mut self) -> io::Result<()> {
         self.rows = 0;
-        let mut write = || -> Result<(), ParquetError> {
-            let mut group = self.writer.next_row_group()?;
-            for values in &mut self.group {
-                let Some(mut column) = group.next_column()? else {
-                    break;
-                };
-                match values {
-                    Values::Whole(all) => {
-                        let to = column.typed::<Int64Type>();
-                        to.write_batch(&std::mem::take(all), None, None)?
-                    }
-                    Values::Text(all) => {
-                        let to = column.typed::<ByteArrayType>();
-                        to.write_batch(&std::mem::take(all), None, None)?
-                    }
-                    Values::Number(all) => {
-                        let to = column.typed::<DoubleType>();
-                        to.write_batch(&std::mem::take(all), None, None)?
-                    }
-                };
-                column.close()?;
-            }
-            group.close().map(drop)
-        };
-        write().map_err(|error| unwritten(&self.path, error))
+        let mut group = self.writer.next_row_group()?;
+        for values in &mut self.group {
+            let Some(mut column) = group.next_column()? else {
+                break;
+            };
+            match values {
+                Values::Whole(all) => {
+                    let to = column.typed::<Int64Type>();
+                    to.write_batch(&std::mem::take(all), None, None)?
+                }
+                Values::Text(all) => {
+                    let to = column.typed::<ByteArrayType>();
+                    to.write_batch(&std::mem::take(all), None, None)?
+                }
+                Values::Number(all) => {
+                    let to = column.typed::<DoubleType>();
+                    to.write_batch(&std::mem::take(all), None, None)?
+                }
+            };
+            column.close()?;
+        }
+        group.close()?;
+        Ok(())
     }
 
     /// Write what is left; the file is yet to be moved to its place.
-    pub fn finish(mut self) -> Result<NewFile, Error> {
+    pub fn finish(mut self) -> io::Result<NewFile> {
         if self.rows > 0 {
             self.flush()?;
         }
-        let file = self.writer.into_inner();
-        file.map_err(|error| unwritten(&self.path, error))
+        Ok(self.writer.into_inner()?)
     }
-}
-
-fn unwritten(path: &Path, error: ParquetError) -> Error {
-    files::failed(path, std::io::Error::other(error)).into()
 }
