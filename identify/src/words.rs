@@ -128,9 +128,9 @@ impl Message {
         self
     }
 
-    /// The sentence with `text` behind it.
-    pub(crate) fn and(mut self, text: String) -> Message {
-        self.0.push(Piece::from(text));
+    /// The sentence with `piece` behind it.
+    pub(crate) fn and(mut self, piece: impl Into<Piece>) -> Message {
+        self.0.push(piece.into());
         self
     }
 

@@ -6,9 +6,9 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use sesc::report::fit::{FitReport as Printed, Shown, Unusable, corrections, page, text};
 use sesc::report::next_steps::Worded;
-use sesc_identify::fit::corrected::corrected_of;
+use sesc_identify::fit::corrected::correct;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
-use sesc_identify::fit::{self, Request};
+use sesc_identify::fit::{self, Masses, Request};
 
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, During, Failure};
@@ -205,8 +205,9 @@ pub fn correct_fit(
                 .of(&model)
                 .during(Doing::Fit)?,
         };
-        let known = (&params[..], masses.as_deref());
-        let corrected = corrected_of(&robot, &model, snapping, known, &prior, total_mass);
+        let masses = masses.map(Masses::from);
+        let target = (&params[..], masses.as_ref());
+        let corrected = correct(&robot, &model, snapping, target, &prior, total_mass);
         Ok(corrected.during(Doing::Fit)?.text)
     });
     Ok(corrected?.0)

@@ -216,7 +216,9 @@ fn deviations_are_honest() {
     let map = model.standard_map();
     let postures: Vec<Vec<f64>> = (0..20).map(|seed| op2.postures(60, seed)).collect();
     for prior in ["free", "cad"] {
-        let factor = Prior::named(prior, &model).unwrap().factor(&model);
+        let factor = Prior::named(prior, &model)
+            .unwrap()
+            .covariance_factor(&model);
         let cad = DVector::from_vec(model.cad_params());
         let mut measurement = Measurement::new(&op2.robot, "r_sole", Snapping::default()).unwrap();
         let (mut inside, mut all) = (0, 0);
@@ -457,7 +459,10 @@ fn tolerances_carry_over_to_parameters() {
     let model = op2.model("r_sole");
     let map = model.standard_map();
     let cad = DVector::from_vec(model.cad_params());
-    let factor = Prior::named("cad", &model).unwrap().factor(&model).unwrap();
+    let factor = Prior::named("cad", &model)
+        .unwrap()
+        .covariance_factor(&model)
+        .unwrap();
     let stated = &factor * factor.transpose();
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     let draws = 4000;

@@ -323,11 +323,10 @@ pub fn of_model_file(
     let moved = params.iter().zip(model.cad_params());
     let moved = moved.map(|(to, from)| (to - from).abs());
     if moved.fold(0.0, f64::max) > SETTLED || scale != 1.0 {
-        match towards(robot, model, snapping, &params, None, prior, total_mass)? {
+        match towards(robot, model, snapping, (&params, None), prior, total_mass)? {
             Ok(corrected) => text = corrected.text,
-            Err(impossible) => left_out.push(format!(
-                "the identified masses stay in the model file: no URDF has them: {}",
-                impossible.reason
+            Err(reason) => left_out.push(format!(
+                "the identified masses stay in the model file: no URDF has them: {reason}"
             )),
         }
     }

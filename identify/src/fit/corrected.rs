@@ -8,9 +8,8 @@ use nalgebra::DVector;
 use serde::Serialize;
 use sesc_model::{Model, Snapping, urdf};
 
-use super::Identification;
 use super::limits::Limits;
-use super::masses::{self, Impossible, Masses};
+use super::masses::{self, Masses};
 use super::prior::{Prior, Tolerances};
 use crate::robot::Robot;
 use crate::{Error, Setting, message};
@@ -60,63 +59,60 @@ impl Change {
     }
 }
 
-/// Correct the text of `robot`, which weighs `total` kg (CAD's mass unless given).
+/// Correct the text of `robot`, which weighs `total` kg (CAD's mass unless given), so that it has
+/// the base parameters `params`; by `masses` where they are known, else by the nearest to CAD.
 ///
 /// # Errors
-/// When no masses give the identified parameters.
+/// When no masses give these parameters.
 #[doc(hidden)]
 pub fn correct(
     robot: &Robot,
     model: &Model,
     snapping: Snapping,
-    found: &Identification,
+    (params, masses): (&[f64], Option<&Masses>),
     prior: &Prior,
     total: Option<f64>,
 ) -> Result<Corrected, Error> {
-    let params: Vec<f64> = found.parameters.iter().map(|p| p.value).collect();
-    towards(
-        robot,
-        model,
-        snapping,
-        &params,
-        found.masses.as_ref(),
-        prior,
-        total,
-    )?
-    .map_err(|impossible| refused(&impossible))
+    check_positive(Setting::TotalMass, total, " kg")?;
+    let found = towards(robot, model, snapping, (params, masses), prior, total)?;
+    found.map_err(|reason| {
+        Error::request(message![
+            format!("no URDF has the identified parameters: {reason}; trust CAD more ("),
+            Setting::Prior,
+            " cad) or fit physical masses only (",
+            Setting::Physical,
+            "). Nothing was written"
+        ])
+    })
 }
 
-/// Correct the text of `robot` so that it has these base parameters; by `masses` where
-/// they are known, else by the nearest to CAD. The inner error says why there are none.
+/// The same where the inner error says why no masses give the parameters.
 ///
 /// # Errors
 /// When a text cannot be read.
-#[doc(hidden)]
-pub fn towards(
+pub(crate) fn towards(
     robot: &Robot,
     model: &Model,
     snapping: Snapping,
-    params: &[f64],
-    masses: Option<&Masses>,
+    (params, masses): (&[f64], Option<&Masses>),
     prior: &Prior,
     total: Option<f64>,
-) -> Result<Result<Corrected, Impossible>, Error> {
-    let masses = match masses_of(robot, model, params, masses, prior) {
+) -> Result<Result<Corrected, String>, Error> {
+    let masses = match masses_of(robot, model, (params, masses), prior) {
         Ok(masses) => masses,
-        Err(impossible) => return Ok(Err(impossible)),
+        Err(reason) => return Ok(Err(reason)),
     };
-    let params = DVector::from_column_slice(params);
     let total_mass = total.unwrap_or(model.tree.mass);
     let weights = masses.weights(model, total_mass);
     let file = &robot.description.file;
     let text = urdf::edit_masses(&robot.description, &weights).map_err(sesc_model::Error::from)?;
-    let support = &model.tree.links[model.tree.support].name;
-    let again = Robot::parse(&text, file)?.model(support, snapping, None)?;
-    let off = (DVector::from_vec(again.cad_params()) - &params).amax();
+    let again = Robot::parse(&text, file)?.model(model.support(), snapping, None)?;
+    let params = DVector::from_column_slice(params);
+    let off = (DVector::from_vec(again.cad_params()) - params).amax();
     if off.is_nan() || off > EXACT {
-        return Ok(Err(Impossible {
-            reason: format!("the masses found give them only to {off:.1e} m"),
-        }));
+        return Ok(Err(format!(
+            "the masses found give them only to {off:.1e} m"
+        )));
     }
     let links = again.tree.links.iter().zip(&model.tree.links);
     let links = links
@@ -138,10 +134,9 @@ pub fn towards(
 pub(super) fn masses_of(
     robot: &Robot,
     model: &Model,
-    params: &[f64],
-    masses: Option<&Masses>,
+    (params, masses): (&[f64], Option<&Masses>),
     prior: &Prior,
-) -> Result<Masses, Impossible> {
+) -> Result<Masses, String> {
     if let Some(masses) = masses {
         return Ok(masses.clone());
     }
@@ -152,31 +147,6 @@ pub(super) fn masses_of(
     };
     let params = DVector::from_column_slice(params);
     masses::nearest(model, tolerances, &params, &Limits::generous(robot))
-}
-
-/// The URDF of `robot` with the parameters of a fit that is no more: `theta` are its
-/// [masses](super::Report::masses); where they are none, the nearest within `prior` are
-/// looked for.
-///
-/// # Errors
-/// As those of [`super::Report::corrected_urdf`].
-#[doc(hidden)]
-pub fn corrected_of(
-    robot: &Robot,
-    model: &Model,
-    snapping: Snapping,
-    (params, theta): (&[f64], Option<&[f64]>),
-    prior: &Prior,
-    total: Option<f64>,
-) -> Result<Corrected, Error> {
-    check_total(total)?;
-    let masses = theta.map(|theta| Masses {
-        theta: DVector::from_column_slice(theta),
-        active: Vec::new(),
-    });
-    let masses = masses.as_ref();
-    towards(robot, model, snapping, params, masses, prior, total)?
-        .map_err(|impossible| refused(&impossible))
 }
 
 /// A number above zero that a robot can have.
@@ -192,20 +162,4 @@ pub(super) fn check_positive(
             format!(" {x:e}{unit}: give a number above zero that a robot can have")
         ])),
     }
-}
-
-/// What a robot can weigh, kg.
-pub(super) fn check_total(total: Option<f64>) -> Result<(), Error> {
-    check_positive(Setting::TotalMass, total, " kg")
-}
-
-fn refused(impossible: &Impossible) -> Error {
-    let reason = &impossible.reason;
-    Error::request(message![
-        format!("no URDF has the identified parameters: {reason}; trust CAD more ("),
-        Setting::Prior,
-        " cad) or fit physical masses only (",
-        Setting::Physical,
-        "). Nothing was written"
-    ])
 }

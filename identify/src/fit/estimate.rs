@@ -8,7 +8,7 @@ use super::gather::{Fold, Gathered};
 use super::identification::{Identification, ParameterFound, Settings};
 use super::limits::Limits;
 use super::physical;
-use super::prior::{Prior, Tolerances};
+use super::prior::Tolerances;
 use super::summary::{
     bodies, complete, correlations, deviations, height, held_out, oddities, parameters,
     range_error, row_norms, unobservable,
@@ -43,12 +43,11 @@ pub(super) fn identify_within(
     let together = gathered.together();
     let (whole, plain) = (&together.weighted, together.plain());
     let seen = together.seen();
-    let free = together.solve_seen(&seen, 1.0, &cad, None);
+    let free = seen.solve(whole, 1.0, &cad, None);
     let rows = whole.rows() as f64;
-    let (within, df_within) = gathered.repeats.set_aside();
     let (within, df_within) = match gathered.correlated {
         true => (0.0, 0),
-        false => (within, df_within),
+        false => gathered.repeats.set_aside(),
     };
     let left = FreeResiduals {
         // Where visits differ, readings of one visit say nothing of what is left.
@@ -117,26 +116,19 @@ pub(super) fn identify_within(
     let mut failures = Vec::new();
     // Within what masses can be, where that is asked for.
     let mut bounded = |fold: &Fold, params: DVector<f64>| {
-        let constrained = limits.map(|limits| {
-            physical::constrain(
-                model,
-                &fold.weighted,
-                sigma,
-                &settings.prior,
-                limits,
-                &params,
-            )
-        });
-        match constrained {
-            None => (params, None),
-            Some(Ok(found)) => (found.params, Some(found.masses)),
-            Some(Err(failure)) => {
-                failures.push(failure.reason);
+        let Some(limits) = limits else {
+            return (params, None);
+        };
+        let (rows, prior) = (&fold.weighted, &settings.prior);
+        match physical::constrain(model, rows, sigma, prior, limits, &params) {
+            Ok(found) => (found.params, Some(found.masses)),
+            Err(reason) => {
+                failures.push(reason);
                 (params, None)
             }
         }
     };
-    let mut estimate = together.solve_seen(&seen, sigma, &centre, prior.as_ref());
+    let mut estimate = seen.solve(whole, sigma, &centre, prior.as_ref());
     let (params, masses) = bounded(&together, estimate.params);
     estimate.params = params;
     let rows = whole.r() / sigma;
@@ -163,8 +155,8 @@ pub(super) fn identify_within(
     }
     let rms = |sum: f64, rows: u64| (sum / rows.max(1) as f64).sqrt();
     // What data leave open is as uncertain as CAD usually is.
-    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
-    let covariance = complete(&estimate, prior.is_none().then(usual).flatten());
+    let usual = prior.is_none().then(|| Tolerances::usual().factor(model));
+    let covariance = complete(&estimate, usual);
     let mut std = deviations(&estimate, prior.is_none());
     if guessed && prior.is_none() {
         std.fill(None);

@@ -17,9 +17,10 @@ use crate::Error;
 pub struct Fitted {
     /// File of the parameters, or names of the logs of the healthy robot.
     pub source: String,
-    values: Vec<f64>,
+    /// r̂, m.
+    pub(super) centre: DVector<f64>,
     /// S.
-    factor: DMatrix<f64>,
+    pub(super) factor: DMatrix<f64>,
     /// Hashes of the logs that they were fitted to.
     logs: Vec<String>,
 }
@@ -67,32 +68,17 @@ impl Fitted {
         })?;
         Ok(Fitted {
             source: source.to_string(),
-            values: file
-                .parameters
-                .iter()
-                .map(|parameter| parameter.value)
-                .collect(),
+            centre: file.values().into(),
             factor: inverse(&information.factor),
             logs: file.data.iter().map(|log| log.hash.clone()).collect(),
         })
     }
 
-    /// What they are, m.
-    pub(crate) fn centre(&self) -> DVector<f64> {
-        DVector::from_column_slice(&self.values)
-    }
-
-    /// S with S Sᵀ their covariance.
-    pub(crate) fn factor(&self) -> DMatrix<f64> {
-        self.factor.clone()
-    }
-
     /// The same robot on the support of `to`, seen before from that of `from`.
     pub(crate) fn seen_from(&self, from: &Model, to: &Model) -> Fitted {
         let shift = to.params_from(from);
-        let values = &shift.matrix * self.centre() + &shift.offset;
         Fitted {
-            values: values.as_slice().to_vec(),
+            centre: &shift.matrix * &self.centre + &shift.offset,
             factor: &shift.matrix * &self.factor,
             ..self.clone()
         }

@@ -146,11 +146,6 @@ impl Gathered {
         self.folds[0].weighted.params()
     }
 
-    /// Why the logs cannot be used, if they cannot.
-    pub fn unusable(&self) -> Option<&Finding> {
-        self.health.iter().find(|f| f.kind.makes_unusable())
-    }
-
     /// Whether rows carry deviations of their own.
     pub fn has_deviations(&self) -> bool {
         self.stated > 0.0

@@ -8,7 +8,7 @@ use sesc_model::Model;
 
 use super::criteria::TO_SEE_OUTLIERS;
 use super::gather::{Folding, Gathered, LogUsed};
-use super::prior::{Prior, Tolerances};
+use super::prior::Tolerances;
 use super::request::{FOLDS, Request};
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
 use super::timing::Timing;
@@ -84,9 +84,9 @@ impl<'r> Logs<'r> {
             room = room.saturating_sub(read.size());
             samples.push(read);
         }
-        let support = match (support, samples.first()) {
-            (Some(support), _) => support,
-            (None, first) => first_support(first, &robot)?,
+        let support = match support {
+            Some(support) => support,
+            None => first_support(samples.first(), &robot)?,
         };
         let model = robot.model(&support, request.snapping, None)?;
         let mut findings = Vec::new();
@@ -158,7 +158,7 @@ impl<'r> Logs<'r> {
         let stated = gathered.has_deviations();
         let whole = gathered.together();
         let rows = whole.weighted.rows() as f64;
-        let free = whole.solve(1.0, &cad, None);
+        let free = whole.seen().solve(&whole.weighted, 1.0, &cad, None);
         let mut params = free.params;
         // What a fit takes up does not show in its residuals.
         let mut taken = free.rank as f64;
@@ -168,13 +168,8 @@ impl<'r> Logs<'r> {
                     ": {rows} rows for {taken:.0} parameters leave nothing to tell an outlier by; \
                      add postures, or take "
                 );
-                let prior = Setting::Prior;
-                return Err(Error::request(message![
-                    Setting::Robust,
-                    few,
-                    prior,
-                    " cad"
-                ]));
+                let (robust, prior) = (Setting::Robust, Setting::Prior);
+                return Err(Error::request(message![robust, few, prior, " cad"]));
             }
             let shrunk = (1.0 - taken / rows).sqrt();
             let seen = self.scale(measurement, timings, &params)? / shrunk;
@@ -191,14 +186,13 @@ impl<'r> Logs<'r> {
                     100.0 * left,
                     gathered.readings
                 );
-                return Err(Error::request(message![
-                    Setting::Robust,
-                    few,
-                    Setting::Robust
-                ]));
+                let robust = Setting::Robust;
+                return Err(Error::request(message![robust, few, robust]));
             }
             let whole = gathered.together();
-            let next = whole.solve(scale, &cad, prior.as_ref());
+            let next = whole
+                .seen()
+                .solve(&whole.weighted, scale, &cad, prior.as_ref());
             let r = whole.weighted.r();
             taken = (&r * &next.covariance * r.transpose()).trace() / (scale * scale);
             let rms = (&r * (&next.params - &params)).norm() / rows.sqrt();
@@ -262,10 +256,8 @@ impl<'r> Logs<'r> {
 
     /// F of how far masses may be off: as was asked, or as they usually are.
     fn masses(&self, model: &Model) -> Result<DMatrix<f64>, Error> {
-        let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
         let factor = self.request.prior.of(model)?.covariance_factor(model);
-        let none = || DMatrix::zeros(model.base.params.len(), 0);
-        Ok(factor.or_else(usual).unwrap_or_else(none))
+        Ok(factor.unwrap_or_else(|| Tolerances::usual().factor(model)))
     }
 
     /// Each log with its rows, whose motion is known by its plan.

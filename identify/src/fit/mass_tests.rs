@@ -123,7 +123,8 @@ impl Case {
     fn correct(&self, found: &Identification, prior: &str) -> Result<Corrected, Error> {
         let model = self.model();
         let prior = Prior::named(prior, &model).unwrap();
-        correct(&self.robot, &model, Snapping::Off, found, &prior, None)
+        let target = (found.estimate.params.as_slice(), found.masses.as_ref());
+        correct(&self.robot, &model, Snapping::Off, target, &prior, None)
     }
 }
 

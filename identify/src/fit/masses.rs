@@ -54,21 +54,26 @@ struct Bound {
 /// Masses that were found.
 #[derive(Debug, Clone)]
 pub struct Masses {
+    /// Parts of the whole of [`sesc_model::standard`].
     pub theta: DVector<f64>,
     /// Bounds that hold them back, by name.
     pub active: Vec<String>,
 }
 
-/// Why no masses give these base parameters.
-#[derive(Debug, Clone)]
-pub struct Impossible {
-    pub reason: String,
-}
-
 impl<'m> Space<'m> {
     /// Masses of `model` within `tolerances` of CAD.
-    pub fn new(model: &'m Model, tolerances: &Tolerances) -> Space<'m> {
-        Space::of(model, tolerances.of_standard(model), Vec::new())
+    ///
+    /// # Errors
+    /// Why masses of so many links are not searched.
+    pub fn new(model: &'m Model, tolerances: &Tolerances) -> Result<Space<'m>, String> {
+        let count = model.tree.links.iter().filter(|l| l.mass > 0.0).count();
+        if count > MOST_LINKS {
+            return Err(format!(
+                "the search for masses takes {MOST_LINKS} links, and {count} have a mass; give \
+                 links that are rigid together one mass"
+            ));
+        }
+        Ok(Space::of(model, tolerances.of_standard(model), Vec::new()))
     }
 
     /// The same where bodies that CAD gives no mass may get one.
@@ -122,35 +127,14 @@ impl<'m> Space<'m> {
         &self.map * theta
     }
 
-    /// Why masses of so many links are not searched.
-    pub fn too_many(model: &Model) -> Option<Impossible> {
-        let count = model.tree.links.iter().filter(|l| l.mass > 0.0).count();
-        let reason = || {
-            format!(
-                "the search for masses takes {MOST_LINKS} links, and {count} have a mass; give \
-                 links that are rigid together one mass"
-            )
-        };
-        (count > MOST_LINKS).then(|| Impossible { reason: reason() })
-    }
-
-    /// Best `v` of ‖squares‖² + ‖v‖² under the bounds.
-    pub fn best(
-        &self,
-        data: Option<Linear>,
-        equal: Linear,
-        limits: &Limits,
-    ) -> Result<Masses, NoAnswer> {
-        let n = self.spread.ncols();
-        let data = data.unwrap_or_else(|| Linear::none(n));
-        let rows = data.right.len();
+    /// Best `v` of ‖data‖² + ‖v‖² under the bounds.
+    pub fn best(&self, data: Linear, equal: Linear, limits: &Limits) -> Result<Masses, NoAnswer> {
+        let (rows, n) = data.matrix.shape();
         let mut squares = Linear {
-            matrix: DMatrix::zeros(rows + n, n),
-            right: DVector::zeros(rows + n),
+            matrix: data.matrix.insert_rows(rows, n, 0.0),
+            right: data.right.insert_rows(rows, n, 0.0),
         };
-        squares.matrix.rows_mut(0, rows).copy_from(&data.matrix);
         squares.matrix.rows_mut(rows, n).fill_with_identity();
-        squares.right.rows_mut(0, rows).copy_from(&data.right);
         let bounds = self.bounds(limits);
         let mut at_most = Linear {
             matrix: DMatrix::zeros(bounds.len(), n),
@@ -186,7 +170,7 @@ impl<'m> Space<'m> {
             matrix: self.to_base(),
             right: params - self.base(&self.cad),
         };
-        self.best(None, equal, limits)
+        self.best(Linear::none(self.spread.ncols()), equal, limits)
     }
 
     /// Every bound on a link that tolerances let move.
@@ -234,9 +218,8 @@ pub fn nearest(
     tolerances: &Tolerances,
     params: &DVector<f64>,
     limits: &Limits,
-) -> Result<Masses, Impossible> {
-    Space::too_many(model).map_or(Ok(()), Err)?;
-    let space = Space::new(model, tolerances);
+) -> Result<Masses, String> {
+    let space = Space::new(model, tolerances)?;
     let first = space.nearest(params, limits);
     if !matches!(first, Err(NoAnswer::Contradiction)) {
         return first.map_err(|no| space.explain(no, params, limits));
@@ -248,8 +231,8 @@ pub fn nearest(
 }
 
 impl Space<'_> {
-    fn explain(&self, no: NoAnswer, params: &DVector<f64>, limits: &Limits) -> Impossible {
-        let reason = match no {
+    fn explain(&self, no: NoAnswer, params: &DVector<f64>, limits: &Limits) -> String {
+        match no {
             NoAnswer::Infeasible => self.negative(params, limits),
             NoAnswer::Contradiction => {
                 "no masses within the tolerances give them: a link of tolerance zero, or \
@@ -257,8 +240,7 @@ impl Space<'_> {
                     .to_string()
             }
             NoAnswer::Stuck => "the search for masses did not converge".to_string(),
-        };
-        Impossible { reason }
+        }
     }
 
     /// Which links the nearest answer without bounds makes lighter than nothing, or
@@ -299,6 +281,15 @@ impl Space<'_> {
             format!("masses nearest to CAD that give them are outside their links: {links}")
         } else {
             "no masses above zero with centres inside the links give them".to_string()
+        }
+    }
+}
+
+impl From<Vec<f64>> for Masses {
+    fn from(theta: Vec<f64>) -> Masses {
+        Masses {
+            theta: theta.into(),
+            active: Vec::new(),
         }
     }
 }

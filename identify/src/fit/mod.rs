@@ -47,6 +47,8 @@ pub use gather::{DownWeighted, LogUsed};
 pub use identification::{
     BodyLength, Correlation, HeightConstant, Identification, ParameterFound, Settings, Unseen,
 };
+#[doc(hidden)]
+pub use masses::Masses;
 pub use request::{Duplicates, FOLDS, Request};
 pub use robust::Loss;
 pub use run::{Report, fit, gather, residuals};

@@ -13,6 +13,7 @@
 //! to each log, and sums know nothing of CAD's tolerances.
 
 use std::io::Read as _;
+use std::iter;
 use std::path::Path;
 
 use flate2::Compression;
@@ -22,7 +23,8 @@ use serde::{Deserialize, Serialize};
 use sesc_model::tree::is_support;
 use sesc_model::{Model, Snapping, files};
 
-use super::gather::{Fold, Gathered, LogUsed};
+use super::gather::{Gathered, LogUsed};
+use super::request::Request;
 use super::robust::Loss;
 use crate::health::Finding;
 use crate::logs::Stays;
@@ -62,41 +64,42 @@ pub struct Part {
     pub(crate) gathered: Gathered,
 }
 
-/// The robot of a part, and where it stood.
-#[derive(Debug, Clone)]
-pub struct About {
-    /// Hash of the robot's description, in hexadecimal.
-    pub hash: String,
-    /// File of the description.
-    pub urdf_file: String,
-    /// Text of the description.
-    pub urdf: String,
-    /// The support whose parameters the factors are about.
-    pub support: String,
-    /// All links that postures stood on.
-    pub supports: Vec<String>,
-    /// Whether decimals of right angles were made exact.
-    pub snapped: bool,
-    /// The robot of its type that the logs are of.
-    pub unit: Option<String>,
-    /// The options that shaped the sums.
-    pub options: PartOptions,
-}
-
 impl Part {
-    /// The part of a robot's `gathered` logs.
-    pub(crate) fn new(about: About, gathered: Gathered) -> Part {
+    /// What the `gathered` logs of a request contribute, which stood on `supports`.
+    pub(crate) fn new(
+        request: &Request,
+        robot: &Robot,
+        supports: Vec<String>,
+        gathered: Gathered,
+    ) -> Part {
         Part {
             format: FORMAT.to_string(),
-            hash: about.hash,
-            urdf_file: about.urdf_file,
-            urdf: about.urdf,
-            support: about.support,
-            supports: about.supports,
-            snapped: about.snapped,
-            unit: about.unit,
-            options: about.options,
+            hash: robot.description.hash.clone(),
+            urdf_file: robot.description.file.clone(),
+            urdf: robot.text().to_string(),
+            support: supports[0].clone(),
+            supports,
+            snapped: request.snapping != Snapping::Off,
+            unit: request.unit.clone(),
+            options: PartOptions {
+                motion: request.motion,
+                stays: request.stays,
+                robust: request.robust,
+            },
             gathered,
+        }
+    }
+
+    /// The robot that the logs are of.
+    pub(crate) fn robot(&self) -> Result<Robot, Error> {
+        Robot::parse(&self.urdf, &self.urdf_file)
+    }
+
+    /// How its right angles were read.
+    pub(crate) fn snapping(&self) -> Snapping {
+        match self.snapped {
+            true => Snapping::default(),
+            false => Snapping::Off,
         }
     }
 
@@ -117,7 +120,7 @@ impl Part {
 
     /// Why the logs cannot be used, if they cannot.
     pub fn unusable(&self) -> Option<&Finding> {
-        self.gathered.unusable()
+        self.health().iter().find(|f| f.kind.makes_unusable())
     }
 
     /// Read and check a file.
@@ -145,14 +148,9 @@ impl Part {
             return Err(bad(format!("{reason}; gather the log again")));
         }
         let params = part.gathered.params();
-        let agree = |fold: &Fold| {
-            fold.weighted.params() == params
-                && fold
-                    .plain
-                    .as_ref()
-                    .is_none_or(|plain| plain.params() == params)
-        };
-        if !part.gathered.folds.iter().all(agree) {
+        let folds = part.gathered.folds.iter();
+        let mut factors = folds.flat_map(|fold| iter::once(&fold.weighted).chain(&fold.plain));
+        if factors.any(|factor| factor.params() != params) {
             return Err(bad(
                 "its folds do not belong together; gather the log again".into(),
             ));
@@ -165,32 +163,27 @@ impl Part {
     /// # Errors
     /// When it cannot be written down.
     pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
-        written(self).map_err(Error::serialise)
+        let mut packed = GzEncoder::new(Vec::new(), Compression::default());
+        serde_json::to_writer(&mut packed, self).map_err(Error::serialise)?;
+        packed.finish().map_err(Error::serialise)
     }
 
     /// Whether the sums are about this robot, read from the part's own text, on its support.
     pub(crate) fn check_robot(&self, robot: &Robot, model: &Model) -> Result<(), Error> {
-        let bad = |reason: String| {
-            let message = format!("{reason}; gather the log again");
-            Err(Error::log(self.urdf_file.clone(), None, message))
-        };
-        if robot.description.hash != self.hash {
-            return bad("the URDF in a factor file is not the one that it was made with".into());
-        }
         let unknown = |link: &&String| !is_support(link, robot.description.link_names());
-        if let Some(link) = self.supports.iter().find(unknown) {
-            let link = short(link);
-            return bad(format!(
-                "a factor file stood on `{link}`, which the robot does not have"
-            ));
-        }
         let (own, params) = (self.gathered.params(), model.base.params.len());
-        if own != params {
-            return bad(format!(
-                "a factor file has sums of {own} parameters, and its robot has {params}"
-            ));
-        }
-        Ok(())
+        let reason = if robot.description.hash != self.hash {
+            "the URDF in a factor file is not the one that it was made with".to_string()
+        } else if let Some(link) = self.supports.iter().find(unknown) {
+            let link = short(link);
+            format!("a factor file stood on `{link}`, which the robot does not have")
+        } else if own != params {
+            format!("a factor file has sums of {own} parameters, and its robot has {params}")
+        } else {
+            return Ok(());
+        };
+        let message = format!("{reason}; gather the log again");
+        Err(Error::log(&*self.urdf_file, None, message))
     }
 
     /// Write to `path`, whole or not at all.
@@ -206,12 +199,7 @@ impl Part {
         if self.support == support {
             return Ok(());
         }
-        let robot = Robot::parse(&self.urdf, &self.urdf_file)?;
-        let snapping = if self.snapped {
-            Snapping::default()
-        } else {
-            Snapping::Off
-        };
+        let (robot, snapping) = (self.robot()?, self.snapping());
         let here = robot.model(&self.support, snapping, None)?;
         self.check_robot(&robot, &here)?;
         let there = robot.model(support, snapping, None)?;
@@ -228,11 +216,9 @@ impl Part {
     pub fn merge(&mut self, mut other: Part, name: &str) -> Result<(), Error> {
         self.check_alike(&other, name)?;
         other.stand_on(&self.support)?;
-        for support in other.supports {
-            if !self.supports.contains(&support) {
-                self.supports.push(support);
-            }
-        }
+        let known = &self.supports;
+        other.supports.retain(|support| !known.contains(support));
+        self.supports.append(&mut other.supports);
         let bad = |message: Message| Error::log(name, None, message);
         self.gathered.merge(other.gathered).map_err(bad)?;
         self.unit = self.unit.take().or(other.unit);
@@ -272,50 +258,45 @@ impl Part {
             let message = message![Setting::Unit, " is empty: give a name, or leave it out"];
             return Err(Error::request(message));
         }
-        match &self.unit {
-            Some(own) if own != unit => Err(Error::request(message![
+        if let Some(own) = self.unit.as_ref().filter(|own| *own != unit) {
+            return Err(Error::request(message![
                 format!("the parts are of unit `{}`, not of ", short(own)),
                 Setting::Unit,
                 format!(" `{}`", short(unit))
-            ])),
-            _ => {
-                self.unit = Some(unit.to_string());
-                Ok(())
-            }
+            ]));
         }
+        self.unit = Some(unit.to_string());
+        Ok(())
     }
 
     /// Whether both are about one robot, and were gathered alike.
     fn check_alike(&self, other: &Part, name: &str) -> Result<(), Error> {
-        let bad = |message: Message| Error::log(name, None, message);
-        if self.hash != other.hash {
-            return Err(bad(format!(
-                "about another robot ({}, hash {}) than the first part ({}, hash {})",
-                other.urdf_file, other.hash, self.urdf_file, self.hash
-            )
-            .into()));
-        }
-        if let (Some(own), Some(its)) = (&self.unit, &other.unit)
-            && own != its
-        {
-            return Err(bad(format!(
+        let units = self.unit.as_ref().zip(other.unit.as_ref());
+        let difference = if self.hash != other.hash {
+            let (file, hash) = (&other.urdf_file, &other.hash);
+            message![format!(
+                "about another robot ({file}, hash {hash}) than the first part ({}, hash {})",
+                self.urdf_file, self.hash
+            )]
+        } else if let Some((own, its)) = units.filter(|(own, its)| own != its) {
+            message![format!(
                 "of unit `{}`, and the first part is of unit `{}`; fit each robot by itself",
                 short(its),
                 short(own)
-            )
-            .into()));
-        }
-        if self.snapped != other.snapped {
-            return Err(bad(message![
+            )]
+        } else if self.snapped != other.snapped {
+            message![
                 "one part was gathered with ",
                 Setting::Snapping,
                 ", one without"
-            ]));
-        }
-        match self.options.difference(&other.options) {
-            Some(difference) => Err(bad(difference)),
-            None => Ok(()),
-        }
+            ]
+        } else {
+            match self.options.difference(&other.options) {
+                Some(difference) => difference,
+                None => return Ok(()),
+            }
+        };
+        Err(Error::log(name, None, difference))
     }
 }
 
@@ -334,16 +315,10 @@ pub struct PartOptions {
 impl PartOptions {
     /// The first one that differs, as a sentence with the remedy.
     fn difference(&self, other: &PartOptions) -> Option<Message> {
-        let [own, its] = [self, other].map(PartOptions::named);
-        let pairs = own.into_iter().zip(its);
-        let mut different = pairs.filter(|(own, its)| own.1 != its.1);
-        different.next().map(|((setting, own), (_, its))| {
-            message![
-                "gathered with ",
-                setting,
-                format!(" {its}, the first part with {own}; gather both alike")
-            ]
-        })
+        let mut pairs = self.named().into_iter().zip(other.named());
+        let ((setting, own), (_, its)) = pairs.find(|(own, its)| own.1 != its.1)?;
+        let alike = format!(" {its}, the first part with {own}; gather both alike");
+        Some(message!["gathered with ", setting, alike])
     }
 
     fn named(&self) -> [(Setting, String); 3] {
@@ -373,13 +348,6 @@ impl PartOptions {
 #[derive(Deserialize)]
 struct Kind {
     format: String,
-}
-
-/// The bytes of a part.
-fn written(part: &Part) -> Result<Vec<u8>, serde_json::Error> {
-    let mut packed = GzEncoder::new(Vec::new(), Compression::default());
-    serde_json::to_writer(&mut packed, part)?;
-    packed.finish().map_err(serde_json::Error::io)
 }
 
 /// A part from its bytes.

@@ -15,7 +15,7 @@ use nalgebra::DVector;
 use sesc_model::Model;
 
 use super::limits::Limits;
-use super::masses::{Impossible, Masses, Space};
+use super::masses::{Masses, Space};
 use super::prior::{Prior, Tolerances};
 use crate::lsq::factor::Factor;
 use crate::lsq::inequality::{Linear, NoAnswer};
@@ -43,15 +43,14 @@ pub fn constrain(
     prior: &Prior,
     limits: &Limits,
     plain: &DVector<f64>,
-) -> Result<Physical, Impossible> {
+) -> Result<Physical, String> {
     let (tolerances, width) = match prior {
         Prior::Cad(tolerances) => (tolerances.clone(), 1.0),
         Prior::Free => (Tolerances::usual(), WEAK),
         // Of links these know nothing; they are refused before.
         Prior::Population(_) | Prior::Fitted(_) => (Tolerances::usual(), 1.0),
     };
-    Space::too_many(model).map_or(Ok(()), Err)?;
-    let space = Space::new(model, &tolerances);
+    let space = Space::new(model, &tolerances)?;
     let free = matches!(prior, Prior::Free);
     // No bound is felt when masses of the plain fit keep them all: for a prior, its
     // own most likely ones; without, any.
@@ -71,14 +70,10 @@ pub fn constrain(
         right: (factor.z() - factor.r() * cad) * gain,
     };
     let none = Linear::none(data.matrix.ncols());
-    let masses = space
-        .best(Some(data), none, limits)
-        .map_err(|no| Impossible {
-            reason: match no {
-                NoAnswer::Stuck => "the search for physical masses did not converge".to_string(),
-                _ => "no physical masses are within the tolerances".to_string(),
-            },
-        })?;
+    let masses = space.best(data, none, limits).map_err(|no| match no {
+        NoAnswer::Stuck => "the search for physical masses did not converge",
+        _ => "no physical masses are within the tolerances",
+    })?;
     Ok(Physical {
         params: space.base(&masses.theta),
         masses,

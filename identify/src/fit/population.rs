@@ -124,15 +124,4 @@ impl Population {
             false => DMatrix::from_columns(&kept),
         })
     }
-
-    /// The factor of what is known about CAD: beside Σ, how far the mean is from it.
-    pub(super) fn about_cad(&self, cad: &[f64]) -> DMatrix<f64> {
-        let n = self.mean.len();
-        let own = self.factor().unwrap_or_else(|| DMatrix::zeros(n, 0));
-        let off = self.centre() - DVector::from_column_slice(cad);
-        let columns = own.ncols();
-        let mut wider = own.insert_column(columns, 0.0);
-        wider.set_column(columns, &off);
-        wider
-    }
 }

@@ -33,12 +33,13 @@ pub enum Prior {
 }
 
 /// Which prior, before the robot is known that it is of.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub enum PriorChoice {
     /// CAD taken nearly for granted: masses to 0.2 %, CoMs to 0.1 mm.
     Tight,
     /// CAD as it usually is: masses to 10 %, CoMs to 5 mm.
+    #[default]
     Cad,
     /// Data alone.
     Free,
@@ -61,12 +62,6 @@ impl PriorChoice {
             PriorChoice::File(file) => Prior::read(file, model)?,
             PriorChoice::Given(prior) => prior.clone(),
         })
-    }
-}
-
-impl Default for PriorChoice {
-    fn default() -> PriorChoice {
-        PriorChoice::from(Prior::DEFAULT)
     }
 }
 
@@ -151,28 +146,22 @@ impl Prior {
         }
     }
 
-    /// S with S Sᵀ the covariance of the base parameters of `model`; `None` when free.
-    #[doc(hidden)]
-    pub fn factor(&self, model: &Model) -> Option<DMatrix<f64>> {
-        self.covariance_factor(model)
-    }
-
     /// S with S Sᵀ the covariance of the base parameters of `model` about CAD's; `None` when
     /// free.
-    pub(crate) fn covariance_factor(&self, model: &Model) -> Option<DMatrix<f64>> {
-        match self {
-            Prior::Free => None,
-            Prior::Cad(tolerances) => Some(tolerances.factor(model)),
-            Prior::Population(found) => Some(found.about_cad(&model.cad_params())),
-            Prior::Fitted(found) => {
-                let off = found.centre() - DVector::from_vec(model.cad_params());
-                let own = found.factor();
-                let columns = own.ncols();
-                let mut wider = own.insert_column(columns, 0.0);
-                wider.set_column(columns, &off);
-                Some(wider)
-            }
+    #[doc(hidden)]
+    pub fn covariance_factor(&self, model: &Model) -> Option<DMatrix<f64>> {
+        let own = self.spread(model)?;
+        if let Prior::Free | Prior::Cad(_) = self {
+            return Some(own);
         }
+        // Beside Σ, how far the mean is from CAD.
+        let columns = own.ncols();
+        let mut wider = own.insert_column(columns, 0.0);
+        wider.set_column(
+            columns,
+            &(self.centre(model) - DVector::from_vec(model.cad_params())),
+        );
+        Some(wider)
     }
 
     /// What the base parameters are before data: CAD's, or the mean of a fleet.
@@ -180,14 +169,14 @@ impl Prior {
         match self {
             Prior::Free | Prior::Cad(_) => DVector::from_vec(model.cad_params()),
             Prior::Population(found) => found.centre(),
-            Prior::Fitted(found) => found.centre(),
+            Prior::Fitted(found) => found.centre.clone(),
         }
     }
 
     /// The robot that is expected: as in CAD, or as an earlier fit found it.
     pub(crate) fn expected(&self, model: Model) -> Model {
         match self {
-            Prior::Fitted(found) => model.with_nominal(found.centre().as_slice()),
+            Prior::Fitted(found) => model.with_nominal(found.centre.as_slice()),
             _ => model,
         }
     }
@@ -214,9 +203,10 @@ impl Prior {
     /// S with S Sᵀ the covariance of the base parameters about [`Prior::centre`].
     pub(crate) fn spread(&self, model: &Model) -> Option<DMatrix<f64>> {
         match self {
-            Prior::Free | Prior::Cad(_) => self.covariance_factor(model),
+            Prior::Free => None,
+            Prior::Cad(tolerances) => Some(tolerances.factor(model)),
             Prior::Population(found) => found.factor(),
-            Prior::Fitted(found) => Some(found.factor()),
+            Prior::Fitted(found) => Some(found.factor.clone()),
         }
     }
 }

@@ -10,13 +10,13 @@ use std::sync::Arc;
 
 use sesc_model::{Model, ModelFile, Snapping};
 
-use super::corrected::{Corrected, check_positive, check_total, correct, masses_of};
+use super::corrected::{Corrected, check_positive, correct, masses_of};
 use super::estimate::identify_within;
 use super::identification::{Identification, Settings};
 use super::limits::Limits;
 use super::logs::Logs;
 use super::masses::Masses;
-use super::part::{About, Part, PartOptions};
+use super::part::Part;
 use super::prior::Prior;
 use super::request::{Duplicates, Request};
 use super::residuals::{self, Sample};
@@ -69,32 +69,29 @@ impl Report {
     /// # Errors
     /// When no masses give them.
     pub fn corrected_urdf(&self, total_mass: Option<f64>) -> Result<Corrected, Error> {
-        check_total(total_mass)?;
+        let (snapping, target) = (self.snapping, self.target());
         correct(
             &self.robot,
             &self.model,
-            self.snapping,
-            &self.identification,
+            snapping,
+            target,
             &self.prior,
             total_mass,
         )
     }
 
     /// Parts of the whole of [`sesc_model::standard`] that a corrected URDF is made of; none
-    /// where no masses give the parameters. What [`corrected_of`](super::corrected::corrected_of)
-    /// takes where this report is no more.
+    /// where no masses give the parameters. What [`correct`] takes where this report is no more.
     #[doc(hidden)]
     pub fn masses(&self) -> Option<Vec<f64>> {
+        let masses = masses_of(&self.robot, &self.model, self.target(), &self.prior);
+        Some(masses.ok()?.theta.as_slice().to_vec())
+    }
+
+    /// Parameters of the corrected URDF, and masses that give them where they are known.
+    fn target(&self) -> (&[f64], Option<&Masses>) {
         let found = &self.identification;
-        let masses = masses_of(
-            &self.robot,
-            &self.model,
-            &found.parameters.iter().map(|p| p.value).collect::<Vec<_>>(),
-            found.masses.as_ref(),
-            &self.prior,
-        );
-        let theta = |masses: Masses| masses.theta.iter().copied().collect();
-        masses.ok().map(theta)
+        (found.estimate.params.as_slice(), found.masses.as_ref())
     }
 }
 
@@ -146,12 +143,9 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
         |robot: &&Arc<Robot>| robot.text() == part.urdf && robot.description.file == part.urdf_file;
     let robot = match request.robot.as_ref().filter(is_it) {
         Some(robot) => Arc::clone(robot),
-        None => Arc::new(Robot::parse(&part.urdf, &part.urdf_file)?),
+        None => Arc::new(part.robot()?),
     };
-    let snapping = match part.snapped {
-        true => Snapping::default(),
-        false => Snapping::Off,
-    };
+    let snapping = part.snapping();
     let model = robot.model(&part.support, snapping, None)?;
     part.check_robot(&robot, &model)?;
     let settings = Settings {
@@ -177,13 +171,8 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     let over_range = robot
         .over_range
         .get(&place, || over_range(&model, settings.range));
-    let mut found = identify_within(
-        (&model, &over_range),
-        &supports,
-        &part.gathered,
-        &settings,
-        limits.as_ref(),
-    );
+    let own = (&model, &*over_range);
+    let mut found = identify_within(own, &supports, &part.gathered, &settings, limits.as_ref());
     if request.physical && found.masses.is_none() {
         return Err(Error::request(message![
             Setting::Physical,
@@ -322,36 +311,31 @@ pub fn residuals(
     residuals::sample(&logs, found, watch)
 }
 
-/// The robot of the logs.
-fn robot_of(request: &Request, parts: Option<&Part>) -> Result<Arc<Robot>, Error> {
-    match (&request.robot, parts) {
-        (Some(robot), _) => Ok(Arc::clone(robot)),
-        (None, Some(part)) => Ok(Arc::new(Robot::parse(&part.urdf, &part.urdf_file)?)),
-        (None, None) => Err(Error::request("no robot: give the URDF before the logs")),
-    }
-}
-
 /// All logs and parts as one part; beside it the logs, if there are any.
 fn joined<'r>(
     request: &'r Request,
     alone: bool,
     watch: &mut dyn Watch,
 ) -> Result<(Option<Logs<'r>>, Part), Error> {
-    let mut parts = request.parts.iter();
-    let mut whole = parts.next().map(|(_, part)| part.clone());
-    if let Some(whole) = &mut whole {
-        for (name, part) in parts {
-            add(whole, part.clone(), name, request.duplicates)?;
+    let mut whole: Option<Part> = None;
+    let add = |whole: &mut Option<Part>, part: Part, name: &str| {
+        match (whole.as_mut(), request.duplicates) {
+            (None, _) => *whole = Some(part),
+            (Some(whole), Duplicates::Refuse) => whole.merge(part, name)?,
+            (Some(whole), Duplicates::Skip) => whole.merge_new(part, name)?,
         }
+        Ok::<_, Error>(())
+    };
+    for (name, part) in &request.parts {
+        add(&mut whole, part.clone(), name)?;
+    }
+    if let Some(whole) = &whole {
         check_settled(request, whole)?;
     }
     let mut logs = None;
     if !request.logs.is_empty() {
         let (own, part) = of_logs(request, whole.as_ref(), alone, watch)?;
-        match &mut whole {
-            None => whole = Some(part),
-            Some(whole) => add(whole, part, "the logs", request.duplicates)?,
-        }
+        add(&mut whole, part, "the logs")?;
         logs = Some(own);
     } else if let (Some(robot), Some(whole)) = (&request.robot, &whole) {
         let about = &robot.description;
@@ -384,7 +368,11 @@ fn of_logs<'r>(
     alone: bool,
     watch: &mut dyn Watch,
 ) -> Result<(Logs<'r>, Part), Error> {
-    let robot = robot_of(request, parts)?;
+    let robot = match (&request.robot, parts) {
+        (Some(robot), _) => Arc::clone(robot),
+        (None, Some(part)) => Arc::new(part.robot()?),
+        (None, None) => return Err(Error::request("no robot: give the URDF before the logs")),
+    };
     let support = request.support.clone();
     let support = support.or_else(|| parts.map(|part| part.support.clone()));
     let folds = parts.map(|part| part.gathered.folds.len());
@@ -392,71 +380,65 @@ fn of_logs<'r>(
     let (logs, findings) = Logs::read(request, Arc::clone(&robot), settled, alone, watch)?;
     let (supports, mut gathered) = logs.gather(watch)?;
     gathered.health.extend(findings);
-    let about = About {
-        hash: robot.description.hash.clone(),
-        urdf_file: robot.description.file.clone(),
-        urdf: robot.text().to_string(),
-        support: supports[0].clone(),
-        supports,
-        snapped: request.snapping != Snapping::Off,
-        unit: request.unit.clone(),
-        options: PartOptions {
-            motion: request.motion,
-            stays: request.stays,
-            robust: request.robust,
-        },
-    };
-    Ok((logs, Part::new(about, gathered)))
-}
-
-fn add(whole: &mut Part, part: Part, name: &str, duplicates: Duplicates) -> Result<(), Error> {
-    match duplicates {
-        Duplicates::Refuse => whole.merge(part, name),
-        Duplicates::Skip => whole.merge_new(part, name),
-    }
+    Ok((logs, Part::new(request, &robot, supports, gathered)))
 }
 
 /// Whether what is asked for agrees with what was settled when parts were gathered.
 fn check_settled(request: &Request, whole: &Part) -> Result<(), Error> {
-    macro_rules! settled {
-        ($($piece:expr),+) => {
-            Err(Error::request(message![
-                $($piece),+,
-                ", or give it when the parts are gathered with ",
-                Setting::Partial
-            ]))
-        };
-    }
-    if request.robust.is_some() {
-        let why = " needs the postures themselves: give all logs by ";
-        return settled!(Setting::Robust, why, Setting::Data);
-    }
-    if request.angles.is_some() && request.logs.is_empty() {
-        let why = " is about logs, and factor files hold no angles: leave it out";
-        return settled!(Setting::Angles, why);
-    }
-    if request.snapping == Snapping::Off && whole.snapped {
-        let why = ", but the parts were gathered with right angles made exact: leave it out";
-        return settled!(Setting::Snapping, why);
-    }
-    if request.logs.is_empty() {
-        let own = whole.options;
-        let why = ", but the parts were gathered otherwise: leave it out";
-        if request.motion != MotionModel::Auto && request.motion != own.motion {
-            return settled!(Setting::Motion, why);
-        }
-        if request.stays != Stays::default() && request.stays != own.stays {
-            return settled!(Setting::Settle, why);
-        }
-    }
-    let folds = whole.gathered.folds.len();
-    match request.folds.filter(|asked| *asked != folds) {
-        Some(asked) => settled!(
-            Setting::Folds,
-            format!(" {asked}, but the parts were gathered in {folds}: leave it out")
+    let (own, folds) = (whole.options, whole.gathered.folds.len());
+    let (parts_alone, auto) = (request.logs.is_empty(), MotionModel::Auto);
+    let differs = |asked: bool, alike: bool| parts_alone && asked && !alike;
+    let otherwise = ", but the parts were gathered otherwise: leave it out";
+    let settled = [
+        (
+            request.robust.is_some(),
+            message![
+                Setting::Robust,
+                " needs the postures themselves: give all logs by ",
+                Setting::Data
+            ],
         ),
-        None => Ok(()),
-    }
+        (
+            request.angles.is_some() && parts_alone,
+            message![
+                Setting::Angles,
+                " is about logs, and factor files hold no angles: leave it out"
+            ],
+        ),
+        (
+            request.snapping == Snapping::Off && whole.snapped,
+            message![
+                Setting::Snapping,
+                ", but the parts were gathered with right angles made exact: leave it out"
+            ],
+        ),
+        (
+            differs(request.motion != auto, request.motion == own.motion),
+            message![Setting::Motion, otherwise],
+        ),
+        (
+            differs(
+                request.stays != Stays::default(),
+                request.stays == own.stays,
+            ),
+            message![Setting::Settle, otherwise],
+        ),
+        (
+            request.folds.is_some_and(|asked| asked != folds),
+            message![
+                Setting::Folds,
+                format!(
+                    " {}, but the parts were gathered in {folds}: leave it out",
+                    request.folds.unwrap_or_default()
+                )
+            ],
+        ),
+    ];
+    let Some((_, reason)) = settled.into_iter().find(|(differs, _)| *differs) else {
+        return Ok(());
+    };
+    let remedy = ", or give it when the parts are gathered with ";
+    Err(Error::request(reason.and(remedy).and(Setting::Partial)))
 }
 
 /// A result that is not finite is none.

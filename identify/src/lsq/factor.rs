@@ -90,6 +90,14 @@ impl Factor {
         self.rows += other.rows;
     }
 
+    /// The factor of the same rows, each times `scale`.
+    pub fn scaled(&self, scale: f64) -> Factor {
+        Factor {
+            triangle: &self.triangle * scale,
+            rows: self.rows,
+        }
+    }
+
     /// The same rows about parameters r' with r = matrix · r' + offset.
     pub fn shifted(&self, shift: &Shift) -> Factor {
         let p = self.params();
@@ -269,16 +277,6 @@ impl TryFrom<Packed> for Factor {
             factor.triangle[at] = x;
         }
         Ok(factor)
-    }
-}
-
-impl Factor {
-    /// The factor of the same rows, each times `scale`.
-    pub(crate) fn scaled(&self, scale: f64) -> Factor {
-        Factor {
-            triangle: &self.triangle * scale,
-            rows: self.rows,
-        }
     }
 }
 

@@ -56,59 +56,7 @@ pub fn solve(
     cad: &DVector<f64>,
     prior: Option<&DMatrix<f64>>,
 ) -> Estimate {
-    solve_weighted(factor, factor, sigma, cad, prior)
-}
-
-/// The same from rows over deviations of their own; `plain` has them as they are.
-pub fn solve_weighted(
-    factor: &Factor,
-    plain: &Factor,
-    sigma: f64,
-    cad: &DVector<f64>,
-    prior: Option<&DMatrix<f64>>,
-) -> Estimate {
-    solve_seen(&Seen::by(plain, factor), factor, sigma, cad, prior)
-}
-
-/// The same where it is known what the rows see.
-pub fn solve_seen(
-    seen: &Seen,
-    factor: &Factor,
-    sigma: f64,
-    cad: &DVector<f64>,
-    prior: Option<&DMatrix<f64>>,
-) -> Estimate {
-    let (params, covariance) = match prior {
-        None => seen.step(factor, sigma, &away(factor, cad)),
-        Some(s) => {
-            let (p, m) = s.shape();
-            let (params, r) = with_prior(factor, sigma, cad, s);
-            let half = r.transpose().solve_lower_triangular(&s.transpose());
-            let half = half.unwrap_or_else(|| DMatrix::zeros(m, p)).transpose();
-            (params, &half * half.transpose())
-        }
-    };
-    Estimate {
-        params: cad + params,
-        covariance,
-        rank: seen.basis.ncols(),
-        condition_number: seen.condition_number,
-        unseen: seen.blind.clone(),
-    }
-}
-
-/// The parameters of [`solve_weighted`] alone, which with a prior need no singular values.
-pub fn params_weighted(
-    factor: &Factor,
-    plain: &Factor,
-    sigma: f64,
-    cad: &DVector<f64>,
-    prior: Option<&DMatrix<f64>>,
-) -> DVector<f64> {
-    match prior {
-        None => solve_weighted(factor, plain, sigma, cad, None).params,
-        Some(s) => cad + with_prior(factor, sigma, cad, s).0,
-    }
+    Seen::by(factor, factor).solve(factor, sigma, cad, prior)
 }
 
 /// What CAD leaves of the readings.
@@ -116,8 +64,8 @@ fn away(factor: &Factor, cad: &DVector<f64>) -> DVector<f64> {
     factor.z() - factor.r() * cad
 }
 
-/// The step from CAD and the triangle of (R S / σ; 1).
-fn with_prior(
+/// The step from CAD by data and a prior, and the triangle of (R S / σ; 1).
+pub fn with_prior(
     factor: &Factor,
     sigma: f64,
     cad: &DVector<f64>,
@@ -186,6 +134,33 @@ impl Seen {
         let lost: Vec<_> = lost.iter().map(|&k| v.column(k)).collect();
         self.blind = DMatrix::from_columns(&[blind, lost].concat());
         self.basis = v.select_columns(&seen);
+    }
+
+    /// Estimate from rows over deviations of their own, as [`solve`] does.
+    pub fn solve(
+        &self,
+        factor: &Factor,
+        sigma: f64,
+        cad: &DVector<f64>,
+        prior: Option<&DMatrix<f64>>,
+    ) -> Estimate {
+        let (params, covariance) = match prior {
+            None => self.step(factor, sigma, &away(factor, cad)),
+            Some(s) => {
+                let (p, m) = s.shape();
+                let (params, r) = with_prior(factor, sigma, cad, s);
+                let half = r.transpose().solve_lower_triangular(&s.transpose());
+                let half = half.unwrap_or_else(|| DMatrix::zeros(m, p)).transpose();
+                (params, &half * half.transpose())
+            }
+        };
+        Estimate {
+            params: cad + params,
+            covariance,
+            rank: self.basis.ncols(),
+            condition_number: self.condition_number,
+            unseen: self.blind.clone(),
+        }
     }
 
     /// Step from where `away` is left over, in the directions seen, and its covariance.
@@ -317,7 +292,7 @@ mod tests {
         let mut weighted = Factor::new(3);
         weighted.push(&matrix, &reading, &weights);
         let cad = DVector::from_vec(vec![0.5, -0.5, 0.1]);
-        let found = solve_weighted(&weighted, &plain, 1.0, &cad, None);
+        let found = Seen::by(&plain, &weighted).solve(&weighted, 1.0, &cad, None);
         assert_eq!((found.rank, found.unseen.ncols()), (3, 0));
         assert!(found.condition_number < 10.0);
         // Lagrange: [AᵀA aᵀ; a 0] [r; λ] = [Aᵀ y; y_7] over the other rows.
@@ -348,7 +323,7 @@ mod tests {
         plain.push(&rows, &DVector::from_vec(vec![1.0, 2.0]), &[1.0; 2]);
         let mut weighted = Factor::new(2);
         weighted.push(&rows, &DVector::from_vec(vec![1.0, 2.0]), &[1.0, 0.0]);
-        let found = solve_weighted(&weighted, &plain, 1.0, &DVector::zeros(2), None);
+        let found = Seen::by(&plain, &weighted).solve(&weighted, 1.0, &DVector::zeros(2), None);
         assert_eq!((found.rank, found.unseen.ncols()), (1, 1));
         assert!((found.params - DVector::from_vec(vec![1.0, 0.0])).norm() < 1e-14);
     }

@@ -47,7 +47,8 @@ fn the_page_stands_alone_says_the_numbers_and_escapes_names() {
     found.robot = "op<2>".to_string();
     found.parameters[1].std = None;
     let prior = Prior::named("cad", &model).unwrap();
-    let corrected = correct(&robot, &model, Snapping::default(), &found, &prior, None).unwrap();
+    let target = (found.estimate.params.as_slice(), found.masses.as_ref());
+    let corrected = correct(&robot, &model, Snapping::default(), target, &prior, None).unwrap();
     let residual = |k: i64| Residual {
         pose: k,
         support: String::new(),

@@ -62,7 +62,9 @@ fn yardstick(prior: &str) -> (f64, f64) {
         });
         let truth = DVector::from_iterator(2 * postures.len(), truth);
         let values = Evaluator::new(&model, Function::RegressorCop).run(&found.q, postures.len());
-        let factor = Prior::named(prior, &model).unwrap().factor(&model);
+        let factor = Prior::named(prior, &model)
+            .unwrap()
+            .covariance_factor(&model);
         let lab = Lab {
             rows: DMatrix::from_row_slice(2 * postures.len(), model.base.params.len(), &values),
             truth,

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use crate::lsq::factor::Factor;
-use crate::lsq::solve::{self, Estimate, Seen};
+use crate::lsq::solve::{Seen, with_prior};
 
 /// Rows of one fold, or of several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -58,36 +58,23 @@ impl Fold {
         self.plain.is_none() && self.each == each
     }
 
-    /// Estimate from these rows, whose deviations are `sigma` times those stated (m
-    /// where none are), and a prior with factor S about `cad`.
-    pub fn solve(&self, sigma: f64, cad: &DVector<f64>, prior: Option<&DMatrix<f64>>) -> Estimate {
-        solve::solve_weighted(&self.weighted, &self.plain(), sigma, cad, prior)
-    }
-
     /// What these rows see; the same for every deviation and every prior.
     pub(in crate::fit) fn seen(&self) -> Seen {
         Seen::by(&self.plain(), &self.weighted)
     }
 
-    /// [`Fold::solve`] where it is known what the rows see.
-    pub(in crate::fit) fn solve_seen(
-        &self,
-        seen: &Seen,
-        sigma: f64,
-        cad: &DVector<f64>,
-        prior: Option<&DMatrix<f64>>,
-    ) -> Estimate {
-        solve::solve_seen(seen, &self.weighted, sigma, cad, prior)
-    }
-
-    /// The parameters of [`Fold::solve`] alone.
+    /// Parameters by these rows, whose deviations are `sigma` times those stated (m where none
+    /// are), and a prior with factor S about `cad`: with a prior they need no singular values.
     pub fn params(
         &self,
         sigma: f64,
         cad: &DVector<f64>,
         prior: Option<&DMatrix<f64>>,
     ) -> DVector<f64> {
-        solve::params_weighted(&self.weighted, &self.plain(), sigma, cad, prior)
+        match prior {
+            None => self.seen().solve(&self.weighted, sigma, cad, None).params,
+            Some(s) => cad + with_prior(&self.weighted, sigma, cad, s).0,
+        }
     }
 
     /// Add the rows of another fold.
