@@ -19,6 +19,7 @@ use crate::Error;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::logs::Block;
+use crate::observations::correlation::Independent;
 use crate::observations::grouping::{DOWN, Grouping, Visit};
 use crate::observations::motion::{Motion, Plan};
 use crate::observations::motion_use::MotionUse;
@@ -92,17 +93,13 @@ pub struct Gathered {
     /// Rows that share a `pose` with an earlier row but not its joint positions.
     pub moved: u64,
     /// Logs with more postures than can be known: those that come back later count anew.
-    #[serde(default)]
     pub overfull: u64,
     /// Σ over rows of what averaging took off the variance of a single reading, as a
     /// part of it: 0 where every reading is a row, 0.99 where rows are means of 100.
-    #[serde(default)]
     pub averaged: f64,
     /// Rows whose stated deviation no sensor has.
-    #[serde(default)]
     pub tiny: u64,
     /// What is wrong with the logs themselves.
-    #[serde(default)]
     pub health: Vec<Finding>,
     /// What rows are worth.
     pub samples: sample_count::Sum,
@@ -111,13 +108,10 @@ pub struct Gathered {
     /// Rows were freed of their correlation: repeats within a visit are no noise.
     pub correlated: bool,
     /// How the motion of the joints counted.
-    #[serde(default)]
     pub motion: MotionUse,
     /// How the soles of both feet lie on one floor, of the log in which they lie worst.
-    #[serde(default)]
     pub closure: Option<ClosureFound>,
     /// Postures to reach once more, where nothing tells the noise.
-    #[serde(default)]
     pub again: Option<Again>,
     /// How each log that was read knows its motion.
     #[serde(skip)]
@@ -227,7 +221,7 @@ impl Gathered {
                 file.to_string(),
                 None,
                 "some logs state deviations (cop_x_std, …) and some do not; \
-                          add the columns or leave them out of all",
+                 add the columns or leave them out of all",
             ));
         }
         let rows = measurement.moving_rows(block, motion)?;
@@ -277,71 +271,75 @@ impl Gathered {
             std: &std,
             trust: &trust,
         };
+        let rows_of = |k: usize| [2 * k, 2 * k + 1];
         if self.stream.whitens() {
-            self.stream
-                .push(block.t.as_deref().unwrap_or_default(), &rows, &dealt);
-            self.take_independent(folding);
-            self.deal_plain(first, rows, &dealt, folding);
+            let t = block.t.as_deref().unwrap_or_default();
+            let independent = self.stream.push(t, &rows, &dealt);
+            self.deal_independent(&independent, folding);
+            let every = self.stream.every();
+            let plain = (0..block.len()).filter(|k| (first + k).is_multiple_of(every));
+            let plain = plain.flat_map(|k| rows_of(k).map(|row| (keys[k], row, 1.0)));
+            self.deal(rows, plain, folding, |_| Goal::Plain);
             return Ok(());
         }
         self.trusted += trust.iter().sum::<f64>();
-        self.deal(rows, &dealt, folding);
+        let weighed = (0..block.len()).flat_map(|k| {
+            let weight = |axis: usize| trust[k].sqrt() / std[k][axis];
+            [0, 1].map(|axis| (keys[k], rows_of(k)[axis], weight(axis)))
+        });
+        // The deviation that all rows of a fold have, if it is one.
+        let each = |rows: &Share| {
+            let each = std[rows.first()?.0 / 2][0];
+            let is_it = |k: usize| trust[k] == 1.0 && std[k] == [each; 2];
+            rows.iter().all(|(row, _)| is_it(row / 2)).then_some(each)
+        };
+        self.deal(rows, weighed, folding, |shares| {
+            Goal::Both(shares.iter().map(each).collect())
+        });
         Ok(())
     }
 
-    /// Independent rows of the stream to their folds.
-    fn take_independent(&mut self, folding: &mut Folding) {
-        let independent = self.stream.take();
+    /// Rows to their folds: each with the key that deals it, its number and its weight.
+    fn deal(
+        &mut self,
+        rows: Rows,
+        dealt: impl Iterator<Item = (i64, usize, f64)>,
+        folding: &mut Folding,
+        goal: impl FnOnce(&[Share]) -> Goal,
+    ) {
+        let mut shares = vec![Share::new(); self.folds.len()];
+        for (key, row, weight) in dealt {
+            let fold = self.stream.fold(key, shares.len());
+            shares[fold].push((row, weight));
+        }
+        let work = Work {
+            matrix: rows.matrix,
+            reading: rows.reading,
+            goal: goal(&shares),
+            shares,
+        };
+        folding.push(work, &mut self.folds);
+    }
+
+    /// Independent rows of the stream, each of one axis, to their folds.
+    fn deal_independent(&mut self, independent: &[Independent], folding: &mut Folding) {
         let Some(first) = independent.first() else {
             return;
         };
         let params = first.row.len() - 1;
-        let mut shares = self.shares();
-        for (k, row) in independent.iter().enumerate() {
-            let fold = self.stream.fold(row.key, shares.len());
-            shares[fold].rows.push((k, row.trust.sqrt()));
-        }
         let entries = independent.iter().flat_map(|row| &row.row[..params]);
-        let work = Work {
+        let rows = Rows {
             matrix: RowMatrix {
                 entries: entries.copied().collect(),
                 columns: params,
             },
             reading: DVector::from_fn(independent.len(), |row, _| independent[row].row[params]),
-            shares,
-            goal: Goal::Weighted,
+            motion: Vec::new(),
         };
-        folding.push(work, &mut self.folds);
-        // Rows of one axis.
+        let weighed = independent.iter().enumerate();
+        let weighed = weighed.map(|(k, row)| (row.key, k, row.trust.sqrt()));
+        self.deal(rows, weighed, folding, |_| Goal::Weighted);
         self.trusted += 0.5 * independent.iter().map(|row| row.trust).sum::<f64>();
-    }
-
-    /// Rows as they are to their folds, beside independent ones.
-    fn deal_plain(&mut self, first: usize, rows: Rows, dealt: &Dealt, folding: &mut Folding) {
-        let every = self.stream.every();
-        let mut shares = self.shares();
-        for (k, key) in dealt.keys.iter().enumerate() {
-            if (first + k).is_multiple_of(every) {
-                let fold = self.stream.fold(*key, shares.len());
-                shares[fold].rows.extend([(2 * k, 1.0), (2 * k + 1, 1.0)]);
-            }
-        }
-        self.push_work(rows, shares, Goal::Plain, folding);
-    }
-
-    /// One of each fold, of which nothing is known yet.
-    fn shares(&self) -> Vec<Share> {
-        self.folds.iter().map(|_| Share::default()).collect()
-    }
-
-    fn push_work(&mut self, rows: Rows, shares: Vec<Share>, goal: Goal, folding: &mut Folding) {
-        let work = Work {
-            matrix: rows.matrix,
-            reading: rows.reading,
-            shares,
-            goal,
-        };
-        folding.push(work, &mut self.folds);
     }
 
     /// Deviations of a block's rows, m; in units of both axes' RMS where none are stated.
@@ -359,26 +357,23 @@ impl Gathered {
         all
     }
 
-    /// Postures of the log at hand that were reached again under another number are visits of one;
-    /// not where the robot moves.
+    /// The log that was read, `left_out` of whose rows do not know their motion, has ended:
+    /// poses of the next one are others. Where the robot stands, postures that were reached again
+    /// under another number are visits of one.
     ///
     /// # Errors
     /// As [`Measurement::rows`].
-    pub(super) fn join_reached_again(
+    pub(super) fn end_log(
         &mut self,
         measurement: &mut Measurement,
+        left_out: u64,
+        mut folding: Folding,
     ) -> Result<(), Error> {
         if self.stream.timing.plan.is_none() || self.postures.is_of_stays() {
             measurement.join_reached_again(&mut self.repeats, &self.postures)?;
         }
-        Ok(())
-    }
-
-    /// The log that was read, `left_out` of whose rows do not know their motion, has ended:
-    /// poses of the next one are others.
-    pub(super) fn end_log_without(&mut self, left_out: u64, mut folding: Folding) {
-        self.stream.end();
-        self.take_independent(&mut folding);
+        let independent = self.stream.end();
+        self.deal_independent(&independent, &mut folding);
         folding.end(&mut self.folds);
         let stream = std::mem::take(&mut self.stream);
         let timing = &stream.timing;
@@ -396,26 +391,7 @@ impl Gathered {
         });
         self.overfull += u64::from(self.postures.full());
         self.postures.clear();
-    }
-
-    /// Rows to their folds.
-    fn deal(&mut self, rows: Rows, dealt: &Dealt, folding: &mut Folding) {
-        let Dealt { keys, std, trust } = *dealt;
-        let mut shares = self.shares();
-        for (k, key) in keys.iter().enumerate() {
-            let fold = self.stream.fold(*key, shares.len());
-            let share = &mut shares[fold];
-            if share.rows.is_empty() {
-                share.each = Some(std[k][0]);
-            }
-            share.each = share
-                .each
-                .filter(|each| trust[k] == 1.0 && std[k] == [*each; 2]);
-            let weight = |axis: usize| trust[k].sqrt() / std[k][axis];
-            let both = [0, 1].map(|axis| (2 * k + axis, weight(axis)));
-            share.rows.extend(both);
-        }
-        self.push_work(rows, shares, Goal::Both, folding);
+        Ok(())
     }
 
     fn name_outliers(

@@ -11,7 +11,7 @@ use super::gather::{Folding, Gathered, LogUsed};
 use super::prior::Tolerances;
 use super::request::{FOLDS, Request};
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
-use super::timing::Timing;
+use super::timing::{BLOCK, Timing};
 use crate::feet::{Closure, ClosureFound, Places, of_many, of_one_foot};
 use crate::health::{self, Finding};
 use crate::logs::{Options, ROOM, Readings, Samples};
@@ -24,8 +24,6 @@ use crate::robot::Robot;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
 
-/// Rows folded in together.
-pub(super) const BLOCK: usize = 4096;
 /// Residuals kept to take a median of.
 const SAMPLE: usize = 100_000;
 /// Rounds of reweighting, at most.
@@ -246,10 +244,7 @@ impl<'r> Logs<'r> {
                 watch.warning(&format!("{}: {warning}", samples.log.name()).into());
             }
             let found = Closure::of(&model, other, &data.q, data.t.as_deref()).found_by("CAD");
-            worst = Some(match worst {
-                Some(worst) => worst.worse(found),
-                None => found,
-            });
+            worst = worst.into_iter().chain([found]).reduce(ClosureFound::worse);
         }
         Ok(worst)
     }
@@ -324,8 +319,7 @@ impl<'r> Logs<'r> {
                 });
                 gathered.averaged += reader.averaged() * summary.rows as f64;
             }
-            gathered.join_reached_again(measurement)?;
-            gathered.end_log_without(reader.left_out, folding);
+            gathered.end_log(measurement, reader.left_out, folding)?;
         }
         Ok(gathered)
     }

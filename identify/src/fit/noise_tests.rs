@@ -175,7 +175,8 @@ fn more_postures_than_can_be_known_are_said() {
     gathered.postures = Grouping::up_to(4);
     let pushed = gathered.push(&mut measurement, &block, "log.csv", None);
     pushed.unwrap();
-    gathered.end_log_without(0, Folding::default());
+    let ended = gathered.end_log(&mut measurement, 0, Folding::default());
+    ended.unwrap();
     // Four come back; two are met twice as if they were others.
     let repeats = &gathered.repeats;
     assert_eq!((repeats.pure().both().1, repeats.postures), (8, 8));

@@ -9,7 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use super::identification::Identification;
-use super::logs::{BLOCK, Logs};
+use super::logs::Logs;
+use super::timing::BLOCK;
 use crate::Error;
 use crate::watch::{Watch, tell};
 

@@ -28,8 +28,6 @@ pub(super) struct Stream {
     /// Rows in motion, and the square sum of what it adds to their readings, m².
     pub moving: (usize, f64),
     whiteners: Option<[Whitener; 2]>,
-    /// Independent rows that no fold has yet.
-    ready: Vec<Independent>,
 }
 
 impl Default for Stream {
@@ -40,12 +38,13 @@ impl Default for Stream {
 
 impl Stream {
     pub fn new(timing: &Timing) -> Stream {
+        let processes = timing.correlation.map(|axis| axis.process);
+        let whiteners = processes.map(|process| Whitener::new(process.unwrap_or_default()));
         Stream {
-            whiteners: timing.processes().map(|axes| axes.map(Whitener::new)),
+            whiteners: processes.iter().any(Option::is_some).then_some(whiteners),
             timing: timing.clone(),
             rows: 0,
             moving: (0, 0.0),
-            ready: Vec::new(),
         }
     }
 
@@ -82,37 +81,31 @@ impl Stream {
         }
     }
 
-    /// Rows of a block at times `t`.
-    pub fn push(&mut self, t: &[f64], rows: &Rows, dealt: &Dealt) {
-        let Some(whiteners) = &mut self.whiteners else {
-            return;
-        };
+    /// The independent rows that a block's rows, at times `t`, complete.
+    pub fn push(&mut self, t: &[f64], rows: &Rows, dealt: &Dealt) -> Vec<Independent> {
         let params = rows.matrix.columns;
         let Timing { axes, freed, .. } = &self.timing;
-        let mut row = vec![0.0; params + 1];
+        let (mut row, mut ended) = (vec![0.0; params + 1], Vec::new());
         for (k, &t) in t.iter().enumerate() {
-            for (axis, whitener) in whiteners.iter_mut().enumerate() {
+            for (axis, whitener) in self.whiteners.iter_mut().flatten().enumerate() {
                 let weight = axes[axis] / freed[axis] / dealt.std[k][axis];
                 for (to, from) in row.iter_mut().zip(rows.matrix.row(2 * k + axis)) {
                     *to = from * weight;
                 }
                 row[params] = rows.reading[2 * k + axis] * weight;
-                let ended = whitener.push(t, dealt.keys[k], &row, dealt.trust[k]);
-                self.ready.extend(ended);
+                ended.extend(whitener.push(t, dealt.keys[k], &row, dealt.trust[k]));
             }
         }
+        ended
     }
 
-    /// The log ends.
-    pub fn end(&mut self) {
-        for whitener in self.whiteners.iter_mut().flatten() {
-            self.ready.extend(whitener.end());
-        }
-    }
-
-    /// Independent rows so far.
-    pub fn take(&mut self) -> Vec<Independent> {
-        std::mem::take(&mut self.ready)
+    /// The independent rows that the end of the log completes.
+    pub fn end(&mut self) -> Vec<Independent> {
+        self.whiteners
+            .iter_mut()
+            .flatten()
+            .flat_map(Whitener::end)
+            .collect()
     }
 }
 

@@ -13,7 +13,7 @@ use statrs::distribution::{ContinuousCDF as _, FisherSnedecor};
 
 use crate::Error;
 use crate::logs::{Block, PostureReader};
-use crate::observations::correlation::{self, Correlation, Process};
+use crate::observations::correlation::{self, Correlation};
 use crate::observations::criteria::repeats::UNLIKELY;
 use crate::observations::grouping::{DOWN, Grouping};
 use crate::observations::motion::{Plan, Wanted};
@@ -25,7 +25,7 @@ use crate::observations::row_matrix::RowMatrix;
 use crate::observations::rows::{Measurement, Rows};
 
 /// Rows taken at once.
-const BLOCK: usize = 4096;
+pub(super) const BLOCK: usize = 4096;
 /// Rows that are looked at.
 const ROWS: usize = 20_000;
 /// Rows that the share of motion is taken from, at most.
@@ -69,15 +69,6 @@ impl Timing {
         motion: MotionUse::NONE,
     };
 
-    /// Processes of both axes, if one is correlated.
-    pub fn processes(&self) -> Option<[Process; 2]> {
-        let any = self.correlation.iter().any(|axis| axis.process.is_some());
-        any.then(|| {
-            self.correlation
-                .map(|axis| axis.process.unwrap_or_default())
-        })
-    }
-
     /// Read on until enough is known. `own_axes`: whether axes may differ where the log
     /// states no deviations; `masses`: F of how far these may be off, p × m.
     ///
@@ -105,11 +96,8 @@ impl Timing {
             MotionModel::Off => None,
         };
         let timing = |head: Head| head.timing(folds, own_axes && !head.stated, !ended);
-        let moving = Head::of(
-            &blocks,
-            measurement,
-            plan.as_ref().map(|plan| (plan, &joints)),
-        )?;
+        let planned = plan.as_ref().map(|plan| (plan, &joints));
+        let moving = Head::of(&blocks, measurement, planned)?;
         let seen = moving.seen();
         let cad = DVector::from_vec(measurement.model().cad_params());
         let column = moving.moves.then(|| moving.column(&cad));
@@ -196,18 +184,12 @@ impl Head {
             first = own.end;
             let motion = plan
                 .and_then(|(plan, all)| plan.motion((&all.t, &all.q, dof), own, Wanted::Smooth));
-            match motion {
-                None => {
-                    let rows = measurement.rows(block)?;
-                    head.push(block, dof, rows);
-                }
-                Some(mut motion) => {
-                    let mut block = block.clone();
-                    motion.leave_out_unknown(&mut block);
-                    let rows = measurement.moving_rows(&block, Some(&motion))?;
-                    head.push(&block, dof, rows);
-                }
+            let (mut block, mut motion) = (block.clone(), motion);
+            if let Some(motion) = &mut motion {
+                motion.leave_out_unknown(&mut block);
             }
+            let rows = measurement.moving_rows(&block, motion.as_ref())?;
+            head.push(&block, dof, rows);
         }
         if plan.is_none() || head.postures.is_of_stays() {
             let known = head.postures.postures();
@@ -230,10 +212,9 @@ impl Head {
     /// is one; readings less those of `cad`.
     fn column(&self, cad: &DVector<f64>) -> (Column, f64) {
         let stride = self.rows.div_ceil(OF_SHARE).max(1);
-        let chosen: Vec<usize> = (0..self.rows).step_by(stride).collect();
         let axes = [self.axis(0), self.axis(1)];
-        let of = |row: usize| (chosen[row / 2], row % 2);
-        let n = 2 * chosen.len();
+        let of = |row: usize| (row / 2 * stride, row % 2);
+        let n = 2 * self.rows.div_ceil(stride);
         let rows = DMatrix::from_fn(n, cad.len(), |row, column| {
             let (k, axis) = of(row);
             axes[axis].0[(k, column)]
@@ -283,13 +264,9 @@ impl Head {
             let (visit, known) = (posture.visits, self.repeats.visits);
             self.repeats.push(&mut posture.own, visit, at, [1.0; 2]);
             let row = self.std.len() - 1;
-            match self
-                .stays
-                .last_mut()
-                .filter(|_| self.repeats.visits == known)
-            {
-                Some(stay) => stay.end = row + 1,
-                None => self.stays.push(row..row + 1),
+            match self.stays.last_mut() {
+                Some(stay) if self.repeats.visits == known => stay.end = row + 1,
+                _ => self.stays.push(row..row + 1),
             }
         }
         self.readings.extend(reading.iter());
@@ -297,10 +274,8 @@ impl Head {
     }
 
     fn timing(&self, folds: usize, own_axes: bool, long: bool) -> Timing {
-        let step = match self.t.len() == self.rows {
-            true => correlation::step(&self.t),
-            false => None,
-        };
+        let is_timed = self.t.len() == self.rows;
+        let step = correlation::step(&self.t).filter(|_| is_timed);
         let axes: Vec<_> = (0..2).map(|axis| self.axis(axis)).collect();
         let of = |axis: usize| match step {
             Some(_) if self.rows >= ROWS_OF_STAY * self.stays.len() => {
@@ -309,18 +284,13 @@ impl Head {
             Some(_) => Correlation::of(&self.t, &axes[axis].1, &axes[axis].0),
             None => Correlation::NONE,
         };
-        let correlation = match self.rows {
-            0 => [Correlation::NONE; 2],
-            _ => [of(0), of(1)],
-        };
+        let correlation = [of(0), of(1)];
         let longest = correlation[0].time_s.max(correlation[1].time_s);
         let blocks = step.filter(|_| self.repeats.postures == self.rows as u64);
         let blocks = blocks.map(|step| {
             let length = self.t[self.rows - 1] - self.t[0] + step;
-            (
-                self.t[0],
-                (length / folds as f64).max(HELD_OUT_TIMES * longest),
-            )
+            let held_out = (length / folds as f64).max(HELD_OUT_TIMES * longest);
+            (self.t[0], held_out)
         });
         let own = match own_axes && self.rows > 0 {
             true => self.apart(&axes, &correlation),
@@ -340,21 +310,15 @@ impl Head {
     }
 
     /// Rows of one axis over their deviations.
-    fn axis(&self, axis: usize) -> (DMatrix<f64>, DVector<f64>) {
+    fn axis<'a>(&'a self, axis: usize) -> (DMatrix<f64>, DVector<f64>) {
         let params = self.matrices.first().map_or(0, |rows| rows.columns);
-        let mut x = DMatrix::zeros(self.rows, params);
-        let mut at = 0;
-        for matrix in &self.matrices {
-            for k in 0..matrix.rows() / 2 {
-                let weight = 1.0 / self.std[at][axis];
-                let row = matrix.row(2 * k + axis).iter().map(|x| x * weight);
-                x.row_mut(at)
-                    .iter_mut()
-                    .zip(row)
-                    .for_each(|(to, x)| *to = x);
-                at += 1;
-            }
-        }
+        let own = |matrix: &'a RowMatrix| (axis..matrix.rows()).step_by(2).map(|k| matrix.row(k));
+        let rows = self.matrices.iter().flat_map(own).zip(&self.std);
+        let entries = rows.flat_map(|(row, std)| {
+            let weight = 1.0 / std[axis];
+            row.iter().map(move |x| x * weight)
+        });
+        let x = DMatrix::from_row_iterator(self.rows, params, entries);
         let y = |k: usize, _| self.readings[2 * k + axis] / self.std[k][axis];
         (x, DVector::from_fn(self.rows, y))
     }

@@ -17,12 +17,7 @@ pub struct Fold {
     pub plain: Option<Factor>,
     /// Deviation that each row was divided by as long as `plain` is none: that which a log
     /// states of all rows, m, or 1 where it states none.
-    #[serde(default = "one")]
     pub each: f64,
-}
-
-fn one() -> f64 {
-    1.0
 }
 
 impl Fold {

@@ -26,24 +26,18 @@ const WAITING: usize = 2;
 const MOST: usize = 4;
 
 /// What becomes of rows.
-#[derive(Clone, Copy)]
 pub(super) enum Goal {
-    /// They are weighed; and taken as they are where one number does not make those of them.
-    Both,
+    /// They are weighed; and taken as they are where one number, the deviation that all of a fold
+    /// have, does not make those of them.
+    Both(Vec<Option<f64>>),
     /// They are weighed alone.
     Weighted,
     /// They are taken as they are.
     Plain,
 }
 
-/// Rows of one fold.
-#[derive(Default)]
-pub(super) struct Share {
-    /// Numbers of rows, and their weights.
-    pub rows: Vec<(usize, f64)>,
-    /// The deviation that all of them have, if it is one.
-    pub each: Option<f64>,
-}
+/// Numbers of the rows of one fold, and their weights.
+pub(super) type Share = Vec<(usize, f64)>;
 
 /// Rows for all folds.
 pub(super) struct Work {
@@ -57,21 +51,21 @@ pub(super) struct Work {
 impl Work {
     fn fold(&self, index: usize, fold: &mut Fold) {
         let share = &self.shares[index];
-        if share.rows.is_empty() {
+        if share.is_empty() {
             return;
         }
         let (matrix, reading) = (&self.matrix, &self.reading);
-        let weighted = share.rows.iter().copied();
-        let plain = share.rows.iter().map(|(row, _)| (*row, 1.0));
-        match self.goal {
+        let weighted = share.iter().copied();
+        let plain = share.iter().map(|(row, _)| (*row, 1.0));
+        match &self.goal {
             Goal::Weighted => fold.weighted.push_rows(matrix, reading, weighted),
             Goal::Plain => {
                 if let Some(own) = &mut fold.plain {
                     own.push_rows(matrix, reading, plain);
                 }
             }
-            Goal::Both => {
-                if !share.each.is_some_and(|each| fold.takes(each)) {
+            Goal::Both(each) => {
+                if !each[index].is_some_and(|each| fold.takes(each)) {
                     fold.part_plain().push_rows(matrix, reading, plain);
                 }
                 fold.weighted.push_rows(matrix, reading, weighted);

@@ -2,7 +2,8 @@
 
 use sesc_model::standard::Shift;
 
-use super::Gathered;
+use super::{Gathered, LogUsed};
+use crate::feet::ClosureFound;
 use crate::{Message, Setting, message};
 
 /// Sums of a log are not larger, nor its rows more: what values within their bounds give.
@@ -12,44 +13,45 @@ const MOST_ROWS: f64 = 1e15;
 impl Gathered {
     /// The first sum that no logs can have, in a file that was read.
     pub(in crate::fit) fn invalid_reason(&self) -> Option<String> {
-        let (rows, most) = (self.readings as f64, MOST_SUM);
-        let within = |name: &str, x: f64, least: f64, most: f64| {
-            let fits = (least..=most).contains(&x);
-            (!fits).then(|| format!("`{name}` is {x:?}, which no log gives"))
-        };
-        let axes = self.axes.iter().find_map(|x| within("axes", *x, 0.0, most));
-        let factors = self.folds.iter().find_map(|fold| {
-            let sums = [&fold.weighted, &*fold.plain()].map(|sum| (sum.largest(), sum.rows()));
-            sums.into_iter().find_map(|(size, rows)| {
-                within("triangle", size, 0.0, most)
-                    .or_else(|| within("rows", rows as f64, 0.0, MOST_ROWS))
-            })
-        });
+        let rows = self.readings as f64;
+        let count = |name, n: u64| (name, n as f64, 0.0, MOST_ROWS);
+        let sum = |name, x: f64, most: f64| (name, x, 0.0, most);
+        let positive = |name, x: f64, most: f64| (name, x, f64::MIN_POSITIVE, most);
+        let own = [
+            count("readings", self.readings),
+            sum("stated", self.stated, MOST_SUM),
+            sum("trusted", self.trusted, rows),
+            positive("consistency", self.consistency, 1.0),
+            sum("averaged", self.averaged, rows),
+            count("moved", self.moved),
+            count("overfull", self.overfull),
+            count("tiny", self.tiny),
+            count("motion.rows_left_out", self.motion.rows_left_out),
+        ];
+        let logs = self.logs.iter().map(|log| count("rows", log.rows));
+        let axes = self.axes.iter().map(|x| sum("axes", *x, MOST_SUM));
         let each = self
             .folds
             .iter()
-            .find_map(|fold| within("each", fold.each, f64::MIN_POSITIVE, most));
-        let count = |name: &str, n: u64| within(name, n as f64, 0.0, MOST_ROWS);
-        count("readings", self.readings)
-            .or_else(|| within("stated", self.stated, 0.0, most))
-            .or_else(|| within("trusted", self.trusted, 0.0, rows))
-            .or_else(|| within("consistency", self.consistency, f64::MIN_POSITIVE, 1.0))
-            .or_else(|| within("averaged", self.averaged, 0.0, rows))
-            .or_else(|| count("moved", self.moved))
-            .or_else(|| count("overfull", self.overfull))
-            .or_else(|| count("tiny", self.tiny))
-            .or_else(|| count("motion.rows_left_out", self.motion.rows_left_out))
-            .or_else(|| self.logs.iter().find_map(|log| count("rows", log.rows)))
-            .or(axes)
-            .or(each)
-            .or(factors)
-            .or_else(|| self.repeats.invalid_reason(MOST_ROWS, most))
+            .map(|fold| positive("each", fold.each, MOST_SUM));
+        let factors = self.folds.iter().flat_map(|fold| {
+            let sums = [&fold.weighted, &*fold.plain()].map(|own| {
+                let size = sum("triangle", own.largest(), MOST_SUM);
+                [size, count("rows", own.rows())]
+            });
+            sums.into_iter().flatten()
+        });
+        let mut all = own
+            .into_iter()
+            .chain(logs)
+            .chain(axes)
+            .chain(each)
+            .chain(factors);
+        all.find(|(_, x, least, most)| !(*least..=*most).contains(x))
+            .map(|(name, x, ..)| format!("`{name}` is {x:?}, which no log gives"))
+            .or_else(|| self.repeats.invalid_reason(MOST_ROWS, MOST_SUM))
             .or_else(|| self.samples.invalid_reason(MOST_ROWS))
-            .or_else(|| {
-                self.closure
-                    .as_ref()
-                    .and_then(|found| found.invalid_reason())
-            })
+            .or_else(|| self.closure.as_ref()?.invalid_reason())
             .or_else(|| self.again.as_ref()?.invalid_reason())
     }
 
@@ -58,12 +60,12 @@ impl Gathered {
     /// # Errors
     /// When the parts differ in parameters, folds or stated deviations.
     pub fn merge(&mut self, other: Gathered) -> Result<(), Message> {
-        if self.params() != other.params() {
-            let (here, there) = (self.params(), other.params());
+        let (here, there) = (self.params(), other.params());
+        if here != there {
             return Err(format!("{here} parameters here, {there} there").into());
         }
-        if self.folds.len() != other.folds.len() {
-            let (here, there) = (self.folds.len(), other.folds.len());
+        let (here, there) = (self.folds.len(), other.folds.len());
+        if here != there {
             return Err(message![
                 format!("{here} folds here, {there} there; gather all parts with the same "),
                 Setting::Folds
@@ -75,12 +77,9 @@ impl Gathered {
         {
             return Err("one part states deviations of its readings, the other does not".into());
         }
-        for log in &other.logs {
-            if self.logs.iter().any(|own| own.hash == log.hash) {
-                return Err(
-                    format!("{} is in both: its postures would count twice", log.file).into(),
-                );
-            }
+        let known = |log: &&LogUsed| self.logs.iter().any(|own| own.hash == log.hash);
+        if let Some(log) = other.logs.iter().find(known) {
+            return Err(format!("{} is in both: its postures would count twice", log.file).into());
         }
         for (fold, more) in self.folds.iter_mut().zip(&other.folds) {
             fold.merge(more);
@@ -99,10 +98,8 @@ impl Gathered {
         self.health.extend(other.health);
         self.samples.merge(&other.samples);
         self.motion.merge(&other.motion);
-        self.closure = match (self.closure.take(), other.closure) {
-            (Some(own), Some(other)) => Some(own.worse(other)),
-            (own, other) => own.or(other),
-        };
+        let closures = self.closure.take().into_iter().chain(other.closure);
+        self.closure = closures.reduce(ClosureFound::worse);
         self.plans.extend(other.plans);
         self.correlated |= other.correlated;
         for (sum, more) in self.axes.iter_mut().zip(other.axes) {
