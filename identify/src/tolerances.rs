@@ -135,24 +135,22 @@ impl LinkBlocks {
                 map.columns(PER_LINK * k, PER_LINK) * column - &whole * column[0]
             })
             .collect();
-        if columns.is_empty() {
-            return DMatrix::zeros(map.nrows(), 0);
-        }
-        DMatrix::from_columns(&columns)
+        from_columns(map.nrows(), &columns)
     }
 }
 
 /// A factor with as many columns as C has directions.
 fn compact(factor: &DMatrix<f64>) -> DMatrix<f64> {
     let svd = svd(factor.clone(), true, false);
-    let largest = svd.singular_values.max();
-    let kept: Vec<usize> = (0..svd.singular_values.len())
-        .filter(|&k| svd.singular_values[k] > 1e-12 * largest)
-        .collect();
+    let least = 1e-12 * svd.singular_values.max();
     let u = svd.u.unwrap_or_else(|| DMatrix::zeros(factor.nrows(), 0));
-    let mut compact = DMatrix::zeros(factor.nrows(), kept.len());
-    for (to, &from) in kept.iter().enumerate() {
-        compact.set_column(to, &(u.column(from) * svd.singular_values[from]));
-    }
-    compact
+    let axes = u.column_iter().zip(&svd.singular_values);
+    let kept = axes.filter(|(_, value)| **value > least);
+    let kept: Vec<DVector<f64>> = kept.map(|(axis, value)| axis * *value).collect();
+    from_columns(factor.nrows(), &kept)
+}
+
+/// A matrix of `rows` rows and of any number of columns.
+pub(crate) fn from_columns(rows: usize, columns: &[DVector<f64>]) -> DMatrix<f64> {
+    DMatrix::from_iterator(rows, columns.len(), columns.iter().flatten().copied())
 }

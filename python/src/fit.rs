@@ -9,6 +9,7 @@ use sesc::report::next_steps::Worded;
 use sesc_identify::fit::corrected::correct;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::{self, Masses, Request};
+use sesc_model::Snapping;
 
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, During, Failure};
@@ -113,8 +114,8 @@ impl FitReport {
     /// Text and file of the robot's URDF, and whether right angles were made exact.
     #[getter]
     fn robot(&self) -> (String, String, bool) {
-        let robot = self.report().robot();
-        let snapped = self.report().is_snapped();
+        let robot = &self.report().robot;
+        let snapped = self.report().snapping != Snapping::Off;
         (
             robot.text().to_string(),
             robot.description.file.clone(),
@@ -144,7 +145,7 @@ impl FitReport {
     ) -> PyResult<(String, String, String)> {
         let inner = Arc::clone(&self.inner);
         let corrected = watched(py, None, Stopped::Abandoned, move |_| {
-            weighed(total_mass, inner.1.robot())?;
+            weighed(total_mass, &inner.1.robot)?;
             let corrected = inner.1.corrected_urdf(total_mass).during(Doing::Fit)?;
             Ok((
                 corrected.text.clone(),

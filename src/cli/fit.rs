@@ -187,6 +187,9 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     let urdf = request.robot.as_ref().and(arguments.inputs.first());
     let folder = urdf.and_then(|path| path.parent());
     let found = fit::fit(&request, bar)?;
+    let corrected = arguments.urdf.as_ref();
+    let corrected = corrected.map(|_| found.corrected_urdf(arguments.total_mass));
+    let corrected = corrected.transpose()?;
     bar.clear();
     notes(&found.notes);
     let about = About {
@@ -203,7 +206,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         named.for_each(|path| not_written(path));
         let mut files = Together::default();
         if let Some(path) = &arguments.report {
-            let drawn = Skeleton::of(found.model(), &found.robot().description, folder);
+            let drawn = Skeleton::of(&found.model, &found.robot.description, folder);
             let (found, line) = (&found.identification, command_line());
             files.add(
                 path,
@@ -230,7 +233,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     let report = FitReport {
         found: &found.identification,
         next_steps,
-        corrected: found.corrected.as_ref(),
+        corrected: corrected.as_ref(),
         shown: shown.as_ref(),
     };
     if let (Some(path), Some(corrected)) = (&arguments.urdf, report.corrected) {
@@ -246,7 +249,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
         let text = report::text(&found.identification, next_steps, arguments.long);
         show_beside(&text, streamed)?;
-        if let Some(corrected) = &found.corrected {
+        if let Some(corrected) = &corrected {
             show_beside(&report::corrections(corrected, arguments.long), streamed)?;
         }
     }
@@ -319,8 +322,6 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
         check_mass(arguments.total_mass, robot)?;
     }
     request.physical = arguments.physical;
-    request.corrected_urdf = arguments.urdf.is_some();
-    request.total_mass = arguments.total_mass;
     request.residuals = arguments.report.is_some();
     Ok(request)
 }

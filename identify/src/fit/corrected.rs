@@ -10,7 +10,7 @@ use sesc_model::{Model, Snapping, urdf};
 
 use super::limits::Limits;
 use super::masses::{self, Masses};
-use super::prior::{Prior, Tolerances};
+use super::prior::Prior;
 use crate::robot::Robot;
 use crate::{Error, Setting, message};
 
@@ -140,13 +140,8 @@ pub(super) fn masses_of(
     if let Some(masses) = masses {
         return Ok(masses.clone());
     }
-    let usual = Tolerances::usual();
-    let tolerances = match prior {
-        Prior::Cad(tolerances) => tolerances,
-        Prior::Free | Prior::Population(_) | Prior::Fitted(_) => &usual,
-    };
-    let params = DVector::from_column_slice(params);
-    masses::nearest(model, tolerances, &params, &Limits::generous(robot))
+    let (params, limits) = (DVector::from_column_slice(params), Limits::generous(robot));
+    masses::nearest(model, &prior.tolerances(), &params, &limits)
 }
 
 /// A number above zero that a robot can have.

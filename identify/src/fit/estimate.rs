@@ -1,16 +1,15 @@
 //! From gathered logs to parameters with their uncertainty, observability and held-out error.
 
 use super::criteria::{ELSEWHERE_M, FAR, SURELY};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use sesc_model::Model;
 
 use super::gather::{Fold, Gathered};
 use super::identification::{Identification, ParameterFound, Settings};
-use super::limits::Limits;
 use super::physical;
 use super::prior::Tolerances;
 use super::summary::{
-    bodies, complete, correlations, deviations, height, held_out, oddities, parameters,
+    bodies, complete, correlations, deviations, height, held_out, oddities, over_range, parameters,
     range_error, row_norms, unobservable,
 };
 
@@ -22,22 +21,9 @@ use crate::observations::noise::{FreeResiduals, Noise, NoiseSource, widening};
 /// Fit `gathered` and say what was found.
 pub fn identify(
     model: &Model,
-    supports: &[&str],
+    supports: &[impl ToString],
     gathered: &Gathered,
     settings: &Settings,
-) -> Identification {
-    let over_range = super::summary::over_range(model, settings.range);
-    identify_within((model, &over_range), supports, gathered, settings, None)
-}
-
-/// The same, by masses within `limits` where those are given; `over_range` is what
-/// [`over_range`](super::summary::over_range()) makes of the model.
-pub(super) fn identify_within(
-    (model, over_range): (&Model, &DMatrix<f64>),
-    supports: &[&str],
-    gathered: &Gathered,
-    settings: &Settings,
-    limits: Option<&Limits>,
 ) -> Identification {
     let cad = DVector::from_vec(model.cad_params());
     let together = gathered.together();
@@ -116,7 +102,7 @@ pub(super) fn identify_within(
     let mut failures = Vec::new();
     // Within what masses can be, where that is asked for.
     let mut bounded = |fold: &Fold, params: DVector<f64>| {
-        let Some(limits) = limits else {
+        let Some(limits) = &settings.limits else {
             return (params, None);
         };
         let (rows, prior) = (&fold.weighted, &settings.prior);
@@ -169,7 +155,7 @@ pub(super) fn identify_within(
         robot: model.tree.robot.clone(),
         hash: model.tree.hash.clone(),
         support: model.tree.links[model.tree.support].name.clone(),
-        supports: supports.iter().map(|s| s.to_string()).collect(),
+        supports: supports.iter().map(ToString::to_string).collect(),
         data: gathered.logs.clone(),
         postures: gathered.repeats.postures,
         readings: gathered.readings,
@@ -190,7 +176,6 @@ pub(super) fn identify_within(
             true => gathered.motion.clone().told_of_a_load(),
             false => gathered.motion.clone().told(),
         },
-        plans: gathered.plans.clone(),
         visits: gathered.repeats.visits(),
         closure: gathered.closure.clone(),
         again: match noise.source {
@@ -209,7 +194,10 @@ pub(super) fn identify_within(
         in_sample_rmse: rms(plain.residual_sum(&estimate.params), plain.rows()),
         cad_rmse: rms(plain.residual_sum(&cad), plain.rows()),
         expected_error_data: rms(data_error, plain.rows()),
-        expected_error_range: range_error(over_range, &covariance),
+        expected_error_range: match &settings.over_range {
+            Some(over_range) => range_error(over_range, &covariance),
+            None => range_error(&over_range(model, settings.range), &covariance),
+        },
         range: match settings.range {
             Some(range) => format!("±{:.0}° within the joint limits", range.to_degrees()),
             None => "the joint limits".to_string(),

@@ -22,7 +22,7 @@ pub struct Fitted {
     /// S.
     pub(super) factor: DMatrix<f64>,
     /// Hashes of the logs that they were fitted to.
-    logs: Vec<String>,
+    pub(super) logs: Vec<String>,
 }
 
 /// S with S Sᵀ the covariance, of an information `factor`. Rows of zeros know nothing of their
@@ -72,29 +72,5 @@ impl Fitted {
             factor: inverse(&information.factor),
             logs: file.data.iter().map(|log| log.hash.clone()).collect(),
         })
-    }
-
-    /// The same robot on the support of `to`, seen before from that of `from`.
-    pub(crate) fn seen_from(&self, from: &Model, to: &Model) -> Fitted {
-        let shift = to.params_from(from);
-        Fitted {
-            centre: &shift.matrix * &self.centre + &shift.offset,
-            factor: &shift.matrix * &self.factor,
-            ..self.clone()
-        }
-    }
-
-    /// # Errors
-    /// Where they were fitted to a log of this hash: it would count twice.
-    pub(crate) fn check_other(&self, log: &str, hash: &str) -> Result<(), Error> {
-        if !self.logs.iter().any(|own| own == hash) {
-            return Ok(());
-        }
-        let message = format!(
-            "the masses of {} were fitted to this very log, which would count twice; give a log of \
-             the healthy robot",
-            self.source
-        );
-        Err(Error::log(log, None, message))
     }
 }

@@ -13,7 +13,7 @@ use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 use super::robust::Robust;
-use super::stream::{Dealt, Stream};
+use super::stream::Stream;
 use super::timing::Timing;
 use crate::Error;
 use crate::feet::ClosureFound;
@@ -21,7 +21,7 @@ use crate::health::Finding;
 use crate::logs::Block;
 use crate::observations::correlation::Independent;
 use crate::observations::grouping::{DOWN, Grouping, Visit};
-use crate::observations::motion::{Motion, Plan};
+use crate::observations::motion::Motion;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::{Known, LEAST_STD};
 use crate::observations::repeats::{Group, Repeats};
@@ -29,6 +29,9 @@ use crate::observations::revisits::Again;
 use crate::observations::row_matrix::RowMatrix;
 use crate::observations::rows::{Measurement, Rows};
 use crate::observations::sample_count;
+
+/// A log that was read.
+pub use sesc_model::DataUsed as LogUsed;
 
 mod fold;
 mod folding;
@@ -38,21 +41,6 @@ mod together;
 pub use fold::Fold;
 pub(super) use folding::Folding;
 use folding::{Goal, Share, Work};
-
-/// A log that was read.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct LogUsed {
-    /// Name of the log.
-    pub file: String,
-    /// Hash of its content.
-    pub hash: String,
-    /// Rows.
-    pub rows: u64,
-    /// Least and largest `t`, s; none where the log has none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub times: Option<[f64; 2]>,
-}
 
 /// A posture that a robust fit trusts less.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -113,15 +101,14 @@ pub struct Gathered {
     pub closure: Option<ClosureFound>,
     /// Postures to reach once more, where nothing tells the noise.
     pub again: Option<Again>,
-    /// How each log that was read knows its motion.
-    #[serde(skip)]
-    pub(super) plans: Vec<Option<Plan>>,
     #[serde(skip)]
     pub(super) postures: Grouping<Group>,
     #[serde(skip)]
     pub(super) stream: Stream,
 }
 
+/// One row in this many of a long log is also counted as it is, beside independent samples.
+const PLAIN: usize = 4;
 /// Down-weighted postures that are listed, at most.
 const LISTED: usize = 1000;
 
@@ -173,9 +160,9 @@ impl Gathered {
     /// A log begins whose noise is like `timing` says; without, its rows are independent.
     pub fn begin_log(&mut self, timing: &Timing) {
         self.stream = Stream::new(timing);
-        self.plans.push(timing.plan.clone());
         self.correlated |= self.stream.whitens();
-        if self.stream.differs() {
+        // Rows do not count as they are.
+        if self.stream.whitens() || timing.axes != [1.0; 2] {
             for fold in &mut self.folds {
                 fold.part_plain();
             }
@@ -209,17 +196,13 @@ impl Gathered {
         robust: Option<(&Robust, &DVector<f64>)>,
         folding: &mut Folding,
     ) -> Result<(), Error> {
-        let Some(readings) = &block.reading else {
-            return Err(Error::log(
-                file.to_string(),
-                None,
-                "no readings; give columns cop_x, cop_y or foot cells fsr_1, …",
-            ));
-        };
+        let bad = |message: &str| Error::log(file, None, message);
+        let readings = block
+            .reading
+            .as_ref()
+            .ok_or_else(|| bad("no readings; give columns cop_x, cop_y or foot cells fsr_1, …"))?;
         if self.readings > 0 && block.std.is_some() != self.has_deviations() {
-            return Err(Error::log(
-                file.to_string(),
-                None,
+            return Err(bad(
                 "some logs state deviations (cop_x_std, …) and some do not; \
                  add the columns or leave them out of all",
             ));
@@ -266,17 +249,12 @@ impl Gathered {
             }
         }
         self.stream.rows += block.len();
-        let dealt = Dealt {
-            keys: &keys,
-            std: &std,
-            trust: &trust,
-        };
         let rows_of = |k: usize| [2 * k, 2 * k + 1];
         if self.stream.whitens() {
             let t = block.t.as_deref().unwrap_or_default();
-            let independent = self.stream.push(t, &rows, &dealt);
+            let independent = self.stream.push(t, &rows, &keys, &std, &trust);
             self.deal_independent(&independent, folding);
-            let every = self.stream.every();
+            let every = if self.stream.timing.long { PLAIN } else { 1 };
             let plain = (0..block.len()).filter(|k| (first + k).is_multiple_of(every));
             let plain = plain.flat_map(|k| rows_of(k).map(|row| (keys[k], row, 1.0)));
             self.deal(rows, plain, folding, |_| Goal::Plain);

@@ -1,16 +1,19 @@
 //! What a fit found: parameters with uncertainty, observability and held-out error.
 
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
 use serde::Serialize;
 use sesc_model::{Information, Model, ModelFile};
 
 use super::gather::{DownWeighted, LogUsed};
+use super::limits::Limits;
 use super::masses::Masses;
 use super::prior::Prior;
 use crate::NextStep;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::lsq::solve::Estimate;
-use crate::observations::motion::Plan;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::{LackOfFit, Visits};
@@ -27,6 +30,10 @@ pub struct Settings {
     pub noise: Option<f64>,
     /// Range over which errors are expected: ±rad about zero within the limits.
     pub range: Option<f64>,
+    /// Where masses can be; anywhere where not given.
+    pub(super) limits: Option<Limits>,
+    /// What [`over_range`](super::summary::over_range()) makes of the model, where it is known.
+    pub(super) over_range: Option<Arc<DMatrix<f64>>>,
 }
 
 impl Settings {
@@ -36,6 +43,8 @@ impl Settings {
             prior,
             noise: None,
             range: None,
+            limits: None,
+            over_range: None,
         }
     }
 }
@@ -198,9 +207,6 @@ pub struct Identification {
     /// Bounds on physical masses that are reached; none where the fit was not bounded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub active_bounds: Option<Vec<String>>,
-    /// How each log knows its motion.
-    #[serde(skip)]
-    pub(super) plans: Vec<Option<Plan>>,
     /// The estimate with its covariance.
     #[doc(hidden)]
     #[serde(skip)]
@@ -249,24 +255,15 @@ impl Identification {
 
     /// The model file of what was found.
     pub fn model_file(&self, model: &Model) -> ModelFile {
-        let values: Vec<f64> = self.parameters.iter().map(|p| p.value).collect();
-        let mut file = ModelFile::from_values(model, &values, None, "data");
+        let values = self.estimate.params.as_slice();
+        let mut file = ModelFile::from_values(model, values, None, "data");
         for (parameter, found) in file.parameters.iter_mut().zip(&self.parameters) {
             parameter.std = found.std;
             parameter.source = Some(found.source.to_string());
         }
         file.inform(self.information.clone());
         file.noise_floor = Some(self.noise_floor);
-        file.data = self
-            .data
-            .iter()
-            .map(|log| sesc_model::DataUsed {
-                file: log.file.clone(),
-                hash: log.hash.clone(),
-                rows: log.rows,
-                times: log.times,
-            })
-            .collect();
+        file.data.clone_from(&self.data);
         file
     }
 }

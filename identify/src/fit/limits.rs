@@ -18,8 +18,8 @@ const ROOM: f64 = 0.1;
 /// Without it a mass of nothing could sit in the next town.
 #[derive(Debug, Clone, Default)]
 pub struct Limits {
-    /// Extent of each link in document order, and whether collision geometry gave it.
-    boxes: Vec<(Extent, bool)>,
+    /// Extent of each link in document order, and what it is around, in words.
+    boxes: Vec<(Extent, &'static str)>,
 }
 
 impl Limits {
@@ -35,7 +35,7 @@ impl Limits {
             if let (Some(extent), Some(own)) = (extent, limits.boxes.get_mut(k)) {
                 // Shapes are simplified: a link's box may leave out CAD's own CoM.
                 let com = robot.description.links[k].inertial.origin.xyz;
-                *own = (extent.holding(com), true);
+                *own = (extent.holding(com), "in the collision geometry");
             }
         }
         Ok(limits)
@@ -59,23 +59,15 @@ impl Limits {
                 low: extent.low.map(|x| x - room),
                 high: extent.high.map(|x| x + room),
             };
-            (wide, false)
+            (wide, "near the joints of the link")
         });
         Limits {
             boxes: boxes.collect(),
         }
     }
 
-    /// In words, what the box of link `k` is around.
-    pub fn reason(&self, k: usize) -> &'static str {
-        match self.boxes.get(k) {
-            Some((_, true)) => "in the collision geometry",
-            _ => "near the joints of the link",
-        }
-    }
-
-    /// Where the CoM of link `k` can be.
-    pub fn extent(&self, k: usize) -> Option<&Extent> {
-        self.boxes.get(k).map(|(extent, _)| extent)
+    /// Where the CoM of link `k` can be, and what that is around, in words.
+    pub fn extent(&self, k: usize) -> Option<&(Extent, &'static str)> {
+        self.boxes.get(k)
     }
 }

@@ -15,7 +15,7 @@ use super::timing::{BLOCK, Timing};
 use crate::feet::{Closure, ClosureFound, Places, of_many, of_one_foot};
 use crate::health::{self, Finding};
 use crate::logs::{Options, ROOM, Readings, Samples};
-use crate::observations::motion::{Plan, Wanted};
+use crate::observations::motion::Wanted;
 use crate::observations::moving::Moving;
 use crate::observations::postures::Postures;
 use crate::observations::revisits::{Again, Untold};
@@ -45,10 +45,14 @@ pub(super) struct Logs<'r> {
     support: String,
     /// Folds of the cross-validation.
     folds: usize,
+    /// What is wrong with them.
+    findings: Vec<Finding>,
+    /// What is known of the noise and the motion of each log, once they were gathered.
+    pub timings: Vec<Timing>,
 }
 
 impl<'r> Logs<'r> {
-    /// Read the logs of a request and look at them; with what is wrong with them.
+    /// Read the logs of a request and look at them.
     /// `support` and `folds` are those of the parts that they go with; `alone` says whether they are
     /// one log that is fitted without others.
     ///
@@ -61,7 +65,7 @@ impl<'r> Logs<'r> {
         (support, folds): (Option<String>, Option<usize>),
         alone: bool,
         watch: &mut dyn Watch,
-    ) -> Result<(Logs<'r>, Vec<Finding>), Error> {
+    ) -> Result<Logs<'r>, Error> {
         let links = robot.description.link_names();
         let options = Options {
             angles: request.angles,
@@ -76,34 +80,33 @@ impl<'r> Logs<'r> {
         if let Some(support) = &support {
             robot.model(support, request.snapping, None)?;
         }
-        let (mut samples, mut room) = (Vec::new(), ROOM);
+        let (mut read, mut room) = (Vec::new(), ROOM);
         for log in &request.logs {
-            let read = Samples::read(log, &robot.description, &options, room, watch)?;
-            room = room.saturating_sub(read.size());
-            samples.push(read);
+            let samples = Samples::read(log, &robot.description, &options, room, watch)?;
+            room = room.saturating_sub(samples.size());
+            read.push(samples);
         }
         let support = match support {
             Some(support) => support,
-            None => first_support(samples.first(), &robot)?,
+            None => first_support(read.first(), &robot)?,
         };
         let model = robot.model(&support, request.snapping, None)?;
-        let mut findings = Vec::new();
-        let looked = samples.into_iter().map(|samples| {
+        let (mut samples, mut findings) = (Vec::new(), Vec::new());
+        for read in read {
             let look = (request.snapping, request.noise, alone);
-            let (usable, found) = health::look(samples, (&robot, &model), look, watch)?;
+            let (usable, found) = health::look(read, (&robot, &model), look, watch)?;
+            samples.push(usable);
             findings.extend(found);
-            Ok(usable)
-        });
-        let samples = looked.collect::<Result<_, Error>>()?;
-        let folds = folds.or(request.folds).unwrap_or(FOLDS);
-        let logs = Logs {
+        }
+        Ok(Logs {
             request,
             robot,
             samples,
             support,
-            folds,
-        };
-        Ok((logs, findings))
+            folds: folds.or(request.folds).unwrap_or(FOLDS),
+            findings,
+            timings: Vec::new(),
+        })
     }
 
     /// Rows for the parameters of the support that is meant.
@@ -118,36 +121,35 @@ impl<'r> Logs<'r> {
     ///
     /// # Errors
     /// Whatever is wrong with a log, its sidecar or its support.
-    pub fn gather(&self, watch: &mut dyn Watch) -> Result<(Vec<String>, Gathered), Error> {
-        let request = self.request;
-        let mut measurement = self.measurement()?;
+    pub fn gather(&mut self, watch: &mut dyn Watch) -> Result<(Vec<String>, Gathered), Error> {
+        let (request, robot) = (self.request, Arc::clone(&self.robot));
+        let mut measurement = Measurement::new(&robot, &self.support, request.snapping)?;
         let masses = self.masses(measurement.model())?;
-        let mut timings = Vec::new();
         for samples in &self.samples {
             let apart = (self.folds, request.noise.is_none());
             let mut rows = samples.rows()?;
             let timing = Timing::read(&mut rows, &mut measurement, apart, request.motion, &masses)?;
-            timings.push(timing);
+            self.timings.push(timing);
         }
-        let mut gathered = self.pass(&mut measurement, &timings, None, "reading", watch)?;
+        let mut gathered = self.pass(&mut measurement, None, "reading", watch)?;
         if let Some(loss) = request.robust {
-            gathered = self.reweighted(gathered, loss, &mut measurement, &timings, watch)?;
+            gathered = self.reweighted(gathered, loss, &mut measurement, watch)?;
         }
         if request.noise.is_none() {
             gathered.again = self.again(&gathered, watch)?;
         }
         gathered.closure = self.closure(watch)?;
+        gathered.health.append(&mut self.findings);
         let supports = measurement.supports();
         Ok((supports.into_iter().map(str::to_string).collect(), gathered))
     }
 
     /// The same logs with postures that `loss` trusts less.
-    fn reweighted<'m>(
-        &'m self,
+    fn reweighted(
+        &self,
         mut gathered: Gathered,
         loss: Loss,
-        measurement: &mut Measurement<'m>,
-        timings: &[Timing],
+        measurement: &mut Measurement<'_>,
         watch: &mut dyn Watch,
     ) -> Result<Gathered, Error> {
         let cad = DVector::from_vec(measurement.model().cad_params());
@@ -170,12 +172,12 @@ impl<'r> Logs<'r> {
                 return Err(Error::request(message![robust, few, prior, " cad"]));
             }
             let shrunk = (1.0 - taken / rows).sqrt();
-            let seen = self.scale(measurement, timings, &params)? / shrunk;
+            let seen = self.scale(measurement, &params)? / shrunk;
             // Noise that is stated is no outlier.
             let scale = if stated { seen.max(1.0) } else { seen };
             let robust = Robust { loss, scale };
             let weights = Some((&robust, &params));
-            gathered = self.pass(measurement, timings, weights, "reweighting", watch)?;
+            gathered = self.pass(measurement, weights, "reweighting", watch)?;
             let left = gathered.trusted / gathered.readings.max(1) as f64;
             if left.is_nan() || left < LEAST_LEFT {
                 let few = format!(
@@ -259,13 +261,10 @@ impl<'r> Logs<'r> {
     ///
     /// # Errors
     /// A log that cannot be read once more.
-    pub fn moving<'a>(
-        &'a self,
-        plans: impl Iterator<Item = Option<&'a Plan>> + 'a,
-    ) -> impl Iterator<Item = Result<(&'a Samples, Moving), Error>> + 'a {
-        self.samples.iter().zip(plans).map(|(samples, plan)| {
-            let rows = samples.rows()?;
-            let moving = Moving::new(rows, samples.dof(), plan.cloned(), Wanted::Smooth);
+    pub fn moving(&self) -> impl Iterator<Item = Result<(&Samples, Moving), Error>> {
+        self.samples.iter().enumerate().map(|(k, samples)| {
+            let plan = self.timings.get(k).and_then(|timing| timing.plan.clone());
+            let moving = Moving::new(samples.rows()?, samples.dof(), plan, Wanted::Smooth);
             Ok((samples, moving))
         })
     }
@@ -274,15 +273,13 @@ impl<'r> Logs<'r> {
     fn pass(
         &self,
         measurement: &mut Measurement<'_>,
-        timings: &[Timing],
         robust: Option<(&Robust, &DVector<f64>)>,
         what: &'static str,
         watch: &mut dyn Watch,
     ) -> Result<Gathered, Error> {
         let params = measurement.model().base.params.len();
         let mut gathered = Gathered::new(params, self.folds);
-        let plans = timings.iter().map(|timing| timing.plan.as_ref());
-        for (logged, timing) in self.moving(plans).zip(timings) {
+        for (logged, timing) in self.moving().zip(&self.timings) {
             let (samples, mut reader) = logged?;
             let name = samples.log.name();
             gathered.begin_log(timing);
@@ -328,12 +325,10 @@ impl<'r> Logs<'r> {
     fn scale(
         &self,
         measurement: &mut Measurement<'_>,
-        timings: &[Timing],
         params: &DVector<f64>,
     ) -> Result<f64, Error> {
         let mut lengths: Vec<f64> = Vec::new();
-        let plans = timings.iter().map(|timing| timing.plan.as_ref());
-        for logged in self.moving(plans) {
+        for logged in self.moving() {
             let (_, mut reader) = logged?;
             while lengths.len() < SAMPLE {
                 let (block, motion) = reader.known_rows(BLOCK)?;

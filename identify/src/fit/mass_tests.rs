@@ -14,8 +14,7 @@ use super::gather::Gathered;
 use super::limits::Limits;
 use super::masses::FLOOR;
 use super::prior::Prior;
-use super::summary::over_range;
-use super::{Identification, Settings, identify_within};
+use super::{Identification, Settings, identify};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::Block;
@@ -105,10 +104,9 @@ impl Case {
     fn fit(&self, prior: &str, limits: Option<&Limits>) -> Identification {
         let model = self.model();
         let settings = Settings::new(Prior::named(prior, &model).unwrap());
-        let supports: Vec<&str> = self.supports.iter().map(String::as_str).collect();
-        let over_range = over_range(&model, settings.range);
-        let own = (&model, &over_range);
-        identify_within(own, &supports, &self.gathered, &settings, limits)
+        let limits = limits.cloned();
+        let settings = Settings { limits, ..settings };
+        identify(&model, &self.supports, &self.gathered, &settings)
     }
 
     /// Whether the CoM of a corrected link is inside its shape, but for `slack` (m).
@@ -117,13 +115,14 @@ impl Case {
         let com = changes.find(|change| change.link == link).unwrap().com[1];
         let tree = self.model().robot.tree;
         let index = tree.links.iter().position(|own| own.name == link);
-        limits.extent(index.unwrap()).unwrap().holds(com, slack)
+        limits.extent(index.unwrap()).unwrap().0.holds(com, slack)
     }
 
     fn correct(&self, found: &Identification, prior: &str) -> Result<Corrected, Error> {
         let model = self.model();
         let prior = Prior::named(prior, &model).unwrap();
-        let target = (found.estimate.params.as_slice(), found.masses.as_ref());
+        let params = values(found);
+        let target = (params.as_slice(), found.masses.as_ref());
         correct(&self.robot, &model, Snapping::Off, target, &prior, None)
     }
 }

@@ -20,7 +20,7 @@ use super::limits::Limits;
 use super::prior::Tolerances;
 use crate::lsq::inequality::{ConstrainedProblem, Linear, NoAnswer};
 use crate::svd::svd;
-use crate::tolerances::LinkBlocks;
+use crate::tolerances::{LinkBlocks, from_columns};
 
 /// A link keeps at least this part of the mass CAD gives it.
 pub const FLOOR: f64 = 0.01;
@@ -104,13 +104,9 @@ impl<'m> Space<'m> {
             column
         });
         let moving: Vec<DVector<f64>> = columns.filter(|column| column.amax() > 0.0).collect();
-        let spread = match moving.is_empty() {
-            true => DMatrix::zeros(cad.len(), 0),
-            false => DMatrix::from_columns(&moving),
-        };
         Space {
             map: model.standard_map(),
-            spread,
+            spread: from_columns(cad.len(), &moving),
             model,
             cad,
             new,
@@ -187,10 +183,9 @@ impl<'m> Space<'m> {
                 right: -FLOOR * self.cad[at],
                 name: format!("mass of `{}` at its least", link.name),
             });
-            let Some(extent) = limits.extent(k) else {
+            let Some((extent, within)) = limits.extent(k) else {
                 continue;
             };
-            let within = limits.reason(k);
             for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
                 for (end, sign, side) in [
                     (extent.low[axis], 1.0, "least"),
@@ -259,7 +254,7 @@ impl Space<'_> {
             let share = theta[PER_LINK * k];
             if share < 0.0 {
                 light.push((share * self.model.tree.mass, &link.name));
-            } else if let Some(extent) = limits.extent(k).filter(|_| share > 0.0) {
+            } else if let Some((extent, _)) = limits.extent(k).filter(|_| share > 0.0) {
                 let com = [1, 2, 3].map(|m| theta[PER_LINK * k + m] / share);
                 if !extent.holds(com, 0.0) {
                     let distance = com.iter().map(|x| x * x).sum::<f64>().sqrt();

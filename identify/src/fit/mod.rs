@@ -39,8 +39,6 @@ pub use crate::observations::revisits::Again;
 pub use crate::observations::sample_count::SampleCount;
 #[doc(hidden)]
 pub use estimate::identify;
-#[cfg(test)]
-use estimate::identify_within;
 #[doc(hidden)]
 pub use gather::Gathered;
 pub use gather::{DownWeighted, LogUsed};

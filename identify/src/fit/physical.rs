@@ -16,7 +16,7 @@ use sesc_model::Model;
 
 use super::limits::Limits;
 use super::masses::{Masses, Space};
-use super::prior::{Prior, Tolerances};
+use super::prior::Prior;
 use crate::lsq::factor::Factor;
 use crate::lsq::inequality::{Linear, NoAnswer};
 
@@ -44,14 +44,9 @@ pub fn constrain(
     limits: &Limits,
     plain: &DVector<f64>,
 ) -> Result<Physical, String> {
-    let (tolerances, width) = match prior {
-        Prior::Cad(tolerances) => (tolerances.clone(), 1.0),
-        Prior::Free => (Tolerances::usual(), WEAK),
-        // Of links these know nothing; they are refused before.
-        Prior::Population(_) | Prior::Fitted(_) => (Tolerances::usual(), 1.0),
-    };
-    let space = Space::new(model, &tolerances)?;
     let free = matches!(prior, Prior::Free);
+    let width = if free { WEAK } else { 1.0 };
+    let space = Space::new(model, &prior.tolerances())?;
     // No bound is felt when masses of the plain fit keep them all: for a prior, its
     // own most likely ones; without, any.
     if let Ok(mut masses) = space.nearest(plain, limits)

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use sesc_model::{Model, files};
 
 use crate::Error;
+use crate::tolerances::from_columns;
 
 /// The newest format of files of tolerances and populations that is read.
 pub(super) const FORMAT: u32 = 1;
@@ -119,9 +120,6 @@ impl Population {
             .filter(|(value, _)| **value > least)
             .map(|(value, axis)| axis * value.sqrt())
             .collect();
-        Some(match kept.is_empty() {
-            true => DMatrix::zeros(n, 0),
-            false => DMatrix::from_columns(&kept),
-        })
+        Some(from_columns(n, &kept))
     }
 }

@@ -173,6 +173,14 @@ impl Prior {
         }
     }
 
+    /// Tolerances of the masses of links: CAD's usual ones where it says nothing of links.
+    pub(super) fn tolerances(&self) -> Tolerances {
+        match self {
+            Prior::Cad(tolerances) => tolerances.clone(),
+            Prior::Free | Prior::Population(_) | Prior::Fitted(_) => Tolerances::usual(),
+        }
+    }
+
     /// The robot that is expected: as in CAD, or as an earlier fit found it.
     pub(crate) fn expected(&self, model: Model) -> Model {
         match self {
@@ -183,19 +191,29 @@ impl Prior {
 
     /// The same prior of the robot on the support of `to`, where it is of the one of `from`.
     pub(crate) fn seen_from(&self, from: &Model, to: &Model) -> Prior {
-        match self {
-            Prior::Fitted(found) if from.support() != to.support() => {
-                Prior::Fitted(Box::new(found.seen_from(from, to)))
-            }
-            _ => self.clone(),
+        let mut own = self.clone();
+        if let Prior::Fitted(found) = &mut own
+            && from.support() != to.support()
+        {
+            let shift = to.params_from(from);
+            found.centre = &shift.matrix * &found.centre + &shift.offset;
+            found.factor = &shift.matrix * &found.factor;
         }
+        own
     }
 
     /// # Errors
-    /// Where it was fitted to a log of this hash.
+    /// Where it was fitted to a log of this hash: it would count twice.
     pub(crate) fn check_other(&self, log: &str, hash: &str) -> Result<(), Error> {
         match self {
-            Prior::Fitted(found) => found.check_other(log, hash),
+            Prior::Fitted(found) if found.logs.iter().any(|own| own == hash) => {
+                let message = format!(
+                    "the masses of {} were fitted to this very log, which would count twice; give \
+                     a log of the healthy robot",
+                    found.source
+                );
+                Err(Error::log(log, None, message))
+            }
             _ => Ok(()),
         }
     }

@@ -44,11 +44,6 @@ pub struct Request {
     pub range: Option<f64>,
     /// Whether masses have to be possible.
     pub physical: bool,
-    /// Whether the corrected URDF is wanted, and what the robot weighs in it, kg: as in
-    /// CAD unless given.
-    pub corrected_urdf: bool,
-    /// What the robot weighs in the corrected URDF, kg; as in CAD unless given.
-    pub total_mass: Option<f64>,
     /// Whether some of the readings are wanted beside their predictions.
     pub residuals: bool,
     /// Whether the motion of the joints counts.

@@ -48,14 +48,14 @@ pub struct Sample {
 /// RMS lengths of what CAD and the fit leave, m.
 #[doc(hidden)]
 pub fn rms_lengths(rows: &[Residual]) -> [f64; 2] {
-    let square = |row: &Residual, predicted: [f64; 2]| {
-        (predicted[0] - row.measured[0]).powi(2) + (predicted[1] - row.measured[1]).powi(2)
+    let rms = |predicted: fn(&Residual) -> [f64; 2]| {
+        let off = |row: &Residual, axis: usize| predicted(row)[axis] - row.measured[axis];
+        let squares = rows
+            .iter()
+            .map(|row| off(row, 0).powi(2) + off(row, 1).powi(2));
+        (squares.sum::<f64>() / rows.len().max(1) as f64).sqrt()
     };
-    let mean = |sum: f64| (sum / rows.len().max(1) as f64).sqrt();
-    [
-        mean(rows.iter().map(|row| square(row, row.cad)).sum()),
-        mean(rows.iter().map(|row| square(row, row.fitted)).sum()),
-    ]
+    [rms(|row| row.cad), rms(|row| row.fitted)]
 }
 
 /// Residuals of rows of all logs, in their order.
@@ -75,8 +75,7 @@ pub(super) fn sample(
     let mut seen = 0;
     let dof = measurement.model().dof();
     let mut used = vec![[f64::INFINITY, f64::NEG_INFINITY]; dof];
-    let plans = found.plans.iter().map(Option::as_ref);
-    for logged in logs.moving(plans.chain(std::iter::repeat(None))) {
+    for logged in logs.moving() {
         let (_, mut reader) = logged?;
         loop {
             let (block, motion) = reader.known_rows(BLOCK)?;

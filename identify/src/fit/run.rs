@@ -11,7 +11,7 @@ use std::sync::Arc;
 use sesc_model::{Model, ModelFile, Snapping};
 
 use super::corrected::{Corrected, check_positive, correct, masses_of};
-use super::estimate::identify_within;
+use super::estimate::identify;
 use super::identification::{Identification, Settings};
 use super::limits::Limits;
 use super::logs::Logs;
@@ -21,6 +21,7 @@ use super::prior::Prior;
 use super::request::{Duplicates, Request};
 use super::residuals::{self, Sample};
 use super::summary::over_range;
+use super::timing::Timing;
 use crate::logs::Stays;
 use crate::observations::motion_use::MotionModel;
 use crate::robot::Robot;
@@ -35,49 +36,30 @@ pub struct Report {
     pub identification: Identification,
     /// The parameters, for predictions and generated code.
     pub model_file: ModelFile,
-    /// Where it was wanted.
-    pub corrected: Option<Corrected>,
     /// Where they were wanted; none of parts alone.
     pub residuals: Sample,
     /// What is to be known of the robot.
     pub notes: Vec<String>,
-    robot: Arc<Robot>,
-    model: Arc<Model>,
-    snapping: Snapping,
+    /// The robot that was fitted.
+    pub robot: Arc<Robot>,
+    /// Its model on the support, with CAD masses.
+    pub model: Arc<Model>,
+    /// Whether decimals of right angles were made exact.
+    pub snapping: Snapping,
     prior: Prior,
+    /// What is known of the noise and the motion of each log.
+    timings: Vec<Timing>,
 }
 
 impl Report {
-    /// Its model on the support, with CAD masses.
-    pub fn model(&self) -> &Model {
-        &self.model
-    }
-
-    /// The robot that was fitted.
-    pub fn robot(&self) -> &Robot {
-        &self.robot
-    }
-
-    /// Whether decimals of right angles were made exact.
-    pub fn is_snapped(&self) -> bool {
-        self.snapping != Snapping::Off
-    }
-
     /// The URDF whose masses and centres of mass give the parameters; the robot weighs
     /// `total_mass` kg, as in CAD unless given.
     ///
     /// # Errors
     /// When no masses give them.
     pub fn corrected_urdf(&self, total_mass: Option<f64>) -> Result<Corrected, Error> {
-        let (snapping, target) = (self.snapping, self.target());
-        correct(
-            &self.robot,
-            &self.model,
-            snapping,
-            target,
-            &self.prior,
-            total_mass,
-        )
+        let (robot, model, target) = (&self.robot, &self.model, self.target());
+        correct(robot, model, self.snapping, target, &self.prior, total_mass)
     }
 
     /// Parts of the whole of [`sesc_model::standard`] that a corrected URDF is made of; none
@@ -129,13 +111,8 @@ impl Report {
 /// What is wrong with a log, a part, the robot or the request; the kind `Interrupted`
 /// where `watch` stops it.
 pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
-    for (setting, value, unit) in [
-        (Setting::Noise, request.noise, " m"),
-        (Setting::Range, request.range.map(f64::to_degrees), "°"),
-        (Setting::TotalMass, request.total_mass, " kg"),
-    ] {
-        check_positive(setting, value, unit)?;
-    }
+    check_positive(Setting::Noise, request.noise, " m")?;
+    check_positive(Setting::Range, request.range.map(f64::to_degrees), "°")?;
     let watch = &mut Recorder::new(watch);
     let (logs, part) = joined(request, is_alone(request), watch)?;
     // The robot of the logs is read already; that of parts is in them.
@@ -148,7 +125,7 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     let snapping = part.snapping();
     let model = robot.model(&part.support, snapping, None)?;
     part.check_robot(&robot, &model)?;
-    let settings = Settings {
+    let mut settings = Settings {
         noise: request.noise,
         range: request.range,
         ..Settings::new(request.prior.of(&model)?)
@@ -165,14 +142,13 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     for log in &part.gathered.logs {
         settings.prior.check_other(&log.file, &log.hash)?;
     }
-    let supports: Vec<&str> = part.supports.iter().map(String::as_str).collect();
-    let limits = request.physical.then(|| Limits::of(&robot)).transpose()?;
+    settings.limits = request.physical.then(|| Limits::of(&robot)).transpose()?;
     let place = format!("{} {snapping:?} {:?}", part.support, settings.range);
     let over_range = robot
         .over_range
         .get(&place, || over_range(&model, settings.range));
-    let own = (&model, &*over_range);
-    let mut found = identify_within(own, &supports, &part.gathered, &settings, limits.as_ref());
+    settings.over_range = Some(over_range);
+    let mut found = identify(&model, &part.supports, &part.gathered, &settings);
     if request.physical && found.masses.is_none() {
         return Err(Error::request(message![
             Setting::Physical,
@@ -188,7 +164,6 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     check_result(&model_file)?;
     let mut report = Report {
         model_file,
-        corrected: None,
         residuals: Sample::default(),
         notes: model.tree.notes.clone(),
         identification: found,
@@ -196,12 +171,13 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
         model: Arc::new(model),
         snapping,
         prior: settings.prior,
+        timings: Vec::new(),
     };
-    if request.corrected_urdf {
-        report.corrected = Some(report.corrected_urdf(request.total_mass)?);
-    }
-    if let (true, Some(logs)) = (request.residuals, &logs) {
-        report.residuals = residuals::sample(logs, &report.identification, watch)?;
+    if let Some(logs) = logs {
+        if request.residuals {
+            report.residuals = residuals::sample(&logs, &report.identification, watch)?;
+        }
+        report.timings = logs.timings;
     }
     Ok(report)
 }
@@ -307,7 +283,8 @@ pub fn residuals(
     let found = &report.identification;
     let settled = (Some(found.support.clone()), None);
     let robot = Arc::clone(&report.robot);
-    let (logs, _) = Logs::read(request, robot, settled, is_alone(request), watch)?;
+    let mut logs = Logs::read(request, robot, settled, is_alone(request), watch)?;
+    logs.timings.clone_from(&report.timings);
     residuals::sample(&logs, found, watch)
 }
 
@@ -377,9 +354,8 @@ fn of_logs<'r>(
     let support = support.or_else(|| parts.map(|part| part.support.clone()));
     let folds = parts.map(|part| part.gathered.folds.len());
     let settled = (support, folds);
-    let (logs, findings) = Logs::read(request, Arc::clone(&robot), settled, alone, watch)?;
-    let (supports, mut gathered) = logs.gather(watch)?;
-    gathered.health.extend(findings);
+    let mut logs = Logs::read(request, Arc::clone(&robot), settled, alone, watch)?;
+    let (supports, gathered) = logs.gather(watch)?;
     Ok((logs, Part::new(request, &robot, supports, gathered)))
 }
 

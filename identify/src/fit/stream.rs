@@ -6,19 +6,6 @@ use crate::logs::Block;
 use crate::observations::correlation::{Independent, Whitener};
 use crate::observations::rows::Rows;
 
-/// One row in this many of a long log is also counted as it is, beside independent samples.
-const PLAIN: usize = 4;
-
-/// What is said of a block's rows.
-pub(super) struct Dealt<'a> {
-    /// What deals them to their folds.
-    pub keys: &'a [i64],
-    /// m, or in units of both axes' RMS.
-    pub std: &'a [[f64; 2]],
-    /// 0 to 1.
-    pub trust: &'a [f64],
-}
-
 /// State between the blocks of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stream {
@@ -53,16 +40,6 @@ impl Stream {
         self.whiteners.is_some()
     }
 
-    /// Whether rows do not count as they are.
-    pub fn differs(&self) -> bool {
-        self.whitens() || self.timing.axes != [1.0; 2]
-    }
-
-    /// One in this many rows counts as it is.
-    pub fn every(&self) -> usize {
-        if self.timing.long { PLAIN } else { 1 }
-    }
-
     /// Numbers of the blocks of time that rows are in, where those are held out.
     pub fn keys(&self, block: &Block) -> Option<Vec<i64>> {
         let ((start, length), t) = (self.timing.blocks?, block.t.as_ref()?);
@@ -81,19 +58,27 @@ impl Stream {
         }
     }
 
-    /// The independent rows that a block's rows, at times `t`, complete.
-    pub fn push(&mut self, t: &[f64], rows: &Rows, dealt: &Dealt) -> Vec<Independent> {
+    /// The independent rows that a block's rows complete: each has a time, the key that deals it
+    /// to its fold, deviations, m or in units of both axes' RMS, and a trust, 0 to 1.
+    pub fn push(
+        &mut self,
+        t: &[f64],
+        rows: &Rows,
+        keys: &[i64],
+        std: &[[f64; 2]],
+        trust: &[f64],
+    ) -> Vec<Independent> {
         let params = rows.matrix.columns;
         let Timing { axes, freed, .. } = &self.timing;
         let (mut row, mut ended) = (vec![0.0; params + 1], Vec::new());
         for (k, &t) in t.iter().enumerate() {
             for (axis, whitener) in self.whiteners.iter_mut().flatten().enumerate() {
-                let weight = axes[axis] / freed[axis] / dealt.std[k][axis];
+                let weight = axes[axis] / freed[axis] / std[k][axis];
                 for (to, from) in row.iter_mut().zip(rows.matrix.row(2 * k + axis)) {
                     *to = from * weight;
                 }
                 row[params] = rows.reading[2 * k + axis] * weight;
-                ended.extend(whitener.push(t, dealt.keys[k], &row, dealt.trust[k]));
+                ended.extend(whitener.push(t, keys[k], &row, trust[k]));
             }
         }
         ended

@@ -10,6 +10,7 @@ use super::identification::{BodyLength, Correlation, HeightConstant, ParameterFo
 use crate::evaluate::Evaluator;
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::Estimate;
+use crate::observations::row_matrix::RowMatrix;
 use crate::observations::{grouping, noise};
 use crate::simulate::Simulator;
 
@@ -248,13 +249,13 @@ pub(super) fn over_range(model: &Model, range: Option<f64>) -> DMatrix<f64> {
     let mut simulator = Simulator::new(&model.tree.dofs, range, 1);
     let q = simulator.batch(SAMPLES);
     let rows = Evaluator::new(model, sesc_model::Function::RegressorCop).run(&q, SAMPLES);
+    let rows = RowMatrix {
+        entries: rows,
+        columns: params,
+    };
     let mut factor = Factor::new(params);
-    let matrix = DMatrix::from_row_slice(2 * SAMPLES, params, &rows);
-    factor.push(
-        &matrix,
-        &DVector::zeros(2 * SAMPLES),
-        &vec![1.0; 2 * SAMPLES],
-    );
+    let all = (0..2 * SAMPLES).map(|row| (row, 1.0));
+    factor.push_rows(&rows, &DVector::zeros(2 * SAMPLES), all);
     factor.r()
 }
 

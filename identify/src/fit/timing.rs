@@ -81,24 +81,26 @@ impl Timing {
         motion: MotionModel,
         masses: &DMatrix<f64>,
     ) -> Result<Timing, Error> {
-        let (mut blocks, mut rows, mut ended) = (Vec::new(), 0, false);
-        while rows < ROWS && !ended {
+        let (mut first, mut ended) = (Block::default(), false);
+        while first.len() < ROWS && !ended {
             let block = log.block(BLOCK)?;
             ended = block.is_empty() || block.reading.is_none();
             if !ended {
-                rows += block.len();
-                blocks.push(block);
+                first.append(block);
             }
         }
-        let joints = Joints::of(&blocks, measurement.model().dof());
+        let t = first.t.as_deref().unwrap_or_default();
         let plan = match motion {
-            MotionModel::Auto => Plan::of(&joints.t, &joints.q, joints.dof),
+            MotionModel::Auto => Plan::of(t, &first.q, measurement.model().dof()),
             MotionModel::Off => None,
         };
-        let timing = |head: Head| head.timing(folds, own_axes && !head.stated, !ended);
-        let planned = plan.as_ref().map(|plan| (plan, &joints));
-        let moving = Head::of(&blocks, measurement, planned)?;
-        let seen = moving.seen();
+        let timing = |head: Head| {
+            let own_axes = own_axes && first.std.is_none();
+            head.timing(folds, own_axes, !ended)
+        };
+        let moving = Head::of(&first, measurement, plan.as_ref())?;
+        // RMS of what motion adds to readings, m.
+        let seen = rms(moving.shift.iter().flatten().copied());
         let cad = DVector::from_vec(measurement.model().cad_params());
         let column = moving.moves.then(|| moving.column(&cad));
         let found = timing(moving);
@@ -110,40 +112,18 @@ impl Timing {
         // A head that stands says nothing of what comes.
         let moves = share.is_some() || seen > 0.0;
         let found = match moves && share.is_some_and(|share| share.is_missing()) {
-            true => timing(Head::of(&blocks, measurement, None)?),
+            true => timing(Head::of(&first, measurement, None)?),
             false => Timing { plan, ..found },
         };
         Ok(Timing {
             motion: MotionUse {
                 share,
                 rms_m: seen,
-                step_s: correlation::step(&joints.t),
+                step_s: correlation::step(t),
                 ..MotionUse::NONE
             },
             ..found
         })
-    }
-}
-
-/// Times and positions of the first rows.
-struct Joints {
-    dof: usize,
-    t: Vec<f64>,
-    q: Vec<f64>,
-}
-
-impl Joints {
-    /// Without times where a row has none.
-    fn of(blocks: &[Block], dof: usize) -> Joints {
-        let all = |of: fn(&Block) -> Option<&Vec<f64>>| -> Vec<f64> {
-            let some = blocks.iter().filter_map(of);
-            some.flatten().copied().collect()
-        };
-        Joints {
-            dof,
-            t: all(|block| block.t.as_ref()),
-            q: all(|block| Some(&block.q)),
-        }
     }
 }
 
@@ -156,7 +136,6 @@ struct Head {
     readings: Vec<f64>,
     /// Deviations, 1 where none are stated.
     std: Vec<[f64; 2]>,
-    stated: bool,
     postures: Grouping<Group>,
     repeats: Repeats,
     /// Rows of each visit of a posture.
@@ -172,19 +151,18 @@ struct Head {
 impl Head {
     /// Prepare rows whose motion `plan` knows, or rows as they are without a plan.
     fn of(
-        blocks: &[Block],
+        first: &Block,
         measurement: &mut Measurement<'_>,
-        plan: Option<(&Plan, &Joints)>,
+        plan: Option<&Plan>,
     ) -> Result<Head, Error> {
         let mut head = Head::default();
         let dof = measurement.model().dof();
-        let mut first = 0;
-        for block in blocks {
-            let own = first..first + block.len();
-            first = own.end;
-            let motion = plan
-                .and_then(|(plan, all)| plan.motion((&all.t, &all.q, dof), own, Wanted::Smooth));
-            let (mut block, mut motion) = (block.clone(), motion);
+        let t = first.t.as_deref().unwrap_or_default();
+        for start in (0..first.len()).step_by(BLOCK) {
+            let rows = start..first.len().min(start + BLOCK);
+            let mut block = first.select(rows.clone());
+            let motion = |plan: &Plan| plan.motion((t, &first.q, dof), rows, Wanted::Smooth);
+            let mut motion = plan.and_then(motion);
             if let Some(motion) = &mut motion {
                 motion.leave_out_unknown(&mut block);
             }
@@ -201,11 +179,6 @@ impl Head {
                 .collect();
         }
         Ok(head)
-    }
-
-    /// RMS of what motion adds to readings, m.
-    fn seen(&self) -> f64 {
-        rms(self.shift.iter().flatten().copied())
     }
 
     /// What motion adds to some of the rows, over their deviations, and of how many rows each
@@ -248,14 +221,13 @@ impl Head {
             false => self.shift.extend(motion.iter().map(|(shift, _)| *shift)),
         }
         self.rows += block.len();
-        self.stated |= block.std.is_some();
         self.t.extend(block.t.iter().flatten());
         for k in 0..block.len() {
             let std = block.std.as_ref().map_or([1.0; 2], |all| all[k]);
             let own = motion.get(k).filter(|_| block.std.is_some());
             let own = own.map_or([0.0; 2], |(_, std)| *std);
-            self.std
-                .push([0, 1].map(|axis| std[axis].max(LEAST_STD).hypot(own[axis])));
+            let std = [0, 1].map(|axis| std[axis].max(LEAST_STD).hypot(own[axis]));
+            self.std.push(std);
             let support = block.support.as_ref().map_or("", |all| &all[k]);
             let gravity = block.gravity.as_ref().map_or(DOWN, |all| all[k]);
             let q = &block.q[k * dof..(k + 1) * dof];
@@ -273,10 +245,10 @@ impl Head {
         self.matrices.push(matrix);
     }
 
-    fn timing(&self, folds: usize, own_axes: bool, long: bool) -> Timing {
+    fn timing(self, folds: usize, own_axes: bool, long: bool) -> Timing {
         let is_timed = self.t.len() == self.rows;
         let step = correlation::step(&self.t).filter(|_| is_timed);
-        let axes: Vec<_> = (0..2).map(|axis| self.axis(axis)).collect();
+        let axes = [self.axis(0), self.axis(1)];
         let of = |axis: usize| match step {
             Some(_) if self.rows >= ROWS_OF_STAY * self.stays.len() => {
                 Correlation::of_stays(&self.t, &axes[axis].1, &axes[axis].0, &self.stays)
@@ -303,9 +275,8 @@ impl Head {
             timed: step.is_some(),
             blocks,
             long,
-            first_visits: self.first_visits.clone(),
-            plan: None,
-            motion: MotionUse::NONE,
+            first_visits: self.first_visits,
+            ..Timing::NONE
         }
     }
 
@@ -326,7 +297,7 @@ impl Head {
     /// Noise of each axis in units of their RMS, where that is no chance.
     fn apart(
         &self,
-        axes: &[(DMatrix<f64>, DVector<f64>)],
+        axes: &[(DMatrix<f64>, DVector<f64>); 2],
         correlation: &[Correlation; 2],
     ) -> [f64; 2] {
         let pure = self.repeats.pure();
@@ -346,7 +317,7 @@ impl Head {
     /// where rows stay as they are, or axes are alike.
     fn freed_apart(
         &self,
-        axes: &[(DMatrix<f64>, DVector<f64>)],
+        axes: &[(DMatrix<f64>, DVector<f64>); 2],
         correlation: &[Correlation; 2],
     ) -> Option<[f64; 2]> {
         correlation.iter().find(|axis| axis.process.is_some())?;

@@ -65,7 +65,7 @@ impl Block {
     }
 
     /// Add the rows of `other`, which has the same columns.
-    pub(super) fn append(&mut self, other: Block) {
+    pub(crate) fn append(&mut self, other: Block) {
         if self.is_empty() {
             *self = other;
             return;
@@ -87,7 +87,7 @@ impl Block {
     }
 
     /// Some of the rows, in this order.
-    pub(super) fn select(&self, rows: impl Iterator<Item = usize> + Clone) -> Block {
+    pub(crate) fn select(&self, rows: impl Iterator<Item = usize> + Clone) -> Block {
         let width = self.q.len() / self.len().max(1);
         Block {
             line: entries(&self.line, 1, rows.clone()),

@@ -61,27 +61,39 @@ impl Factor {
         reading: &DVector<f64>,
         chosen: impl IntoIterator<Item = (usize, f64)>,
     ) {
-        let mut panel = Panel::new(self.params() + 1);
+        let params = self.params();
+        let nothing = F64x8::splat(0.0);
+        let mut panel = vec![nothing; (params + 1) * BLOCKS];
         let mut chosen = chosen.into_iter();
         loop {
-            // Rows that are missing weigh nothing.
-            let mut eight = [(0, 0.0); 8];
-            let mut count = 0;
-            for (place, own) in eight.iter_mut().zip(&mut chosen) {
-                *place = own;
-                count += 1;
+            let mut blocks = 0;
+            while blocks < BLOCKS {
+                // Rows that are missing weigh nothing.
+                let mut eight = [(0, 0.0); 8];
+                let places = eight.iter_mut().zip(&mut chosen);
+                let count = places.map(|(place, own)| *place = own).count();
+                if count == 0 {
+                    break;
+                }
+                let (columns, readings) = panel.split_at_mut(params * BLOCKS);
+                if let Some(columns) = columns.get_mut(blocks..) {
+                    let rows = eight.map(|(row, _)| matrix.row(row));
+                    let weights = eight.map(|(_, weight)| weight);
+                    Simd::best().weigh_rows(&rows, &weights, columns, BLOCKS);
+                }
+                readings[blocks].0 = eight.map(|(row, weight)| weight * reading[row]);
+                self.rows += count as u64;
+                blocks += 1;
             }
-            if count == 0 {
-                break;
+            if blocks == 0 {
+                return;
             }
-            let rows = eight.map(|(k, weight)| (matrix.row(k), reading[k], weight));
-            panel.add(rows, &mut self.triangle);
-            self.rows += count;
-            if count < 8 {
-                break;
+            // Of rows before there may be something left where blocks are missing.
+            for column in panel.chunks_exact_mut(BLOCKS) {
+                column[blocks..].fill(nothing);
             }
+            Simd::best().fold_rows(self.triangle.as_mut_slice(), &mut panel);
         }
-        panel.fold(&mut self.triangle);
     }
 
     /// Fold in the rows of another factor with the same parameters.
@@ -142,49 +154,6 @@ impl Factor {
 
 /// Blocks of eight rows that are folded in together: they stay in the first cache.
 const BLOCKS: usize = 8;
-
-/// Rows on their way into a triangle, column by column.
-struct Panel {
-    columns: Vec<F64x8>,
-    /// Blocks that are filled.
-    blocks: usize,
-}
-
-impl Panel {
-    fn new(order: usize) -> Panel {
-        Panel {
-            columns: vec![F64x8::splat(0.0); order * BLOCKS],
-            blocks: 0,
-        }
-    }
-
-    /// Eight rows, each with its reading and its weight.
-    fn add(&mut self, rows: [(&[f64], f64, f64); 8], triangle: &mut DMatrix<f64>) {
-        if self.blocks == BLOCKS {
-            self.fold(triangle);
-        }
-        let weights = rows.map(|(_, _, weight)| weight);
-        let params = BLOCKS * (triangle.ncols() - 1);
-        let (columns, readings) = self.columns.split_at_mut(params);
-        if let Some(columns) = columns.get_mut(self.blocks..) {
-            Simd::best().weigh_rows(&rows.map(|(row, ..)| row), &weights, columns, BLOCKS);
-        }
-        readings[self.blocks].0 = rows.map(|(_, reading, weight)| weight * reading);
-        self.blocks += 1;
-    }
-
-    /// Fold all rows so far.
-    fn fold(&mut self, triangle: &mut DMatrix<f64>) {
-        if self.blocks > 0 {
-            // Of rows before there may be something left where blocks are missing.
-            for column in self.columns.chunks_exact_mut(BLOCKS) {
-                column[self.blocks..].fill(F64x8::splat(0.0));
-            }
-            Simd::best().fold_rows(triangle.as_mut_slice(), &mut self.columns);
-            self.blocks = 0;
-        }
-    }
-}
 
 /// Fold the rows of another triangle into a triangle, column by column.
 ///
@@ -250,10 +219,14 @@ struct Packed {
     triangle: Vec<f64>,
 }
 
+/// Entries of an upper triangle, row by row.
+fn upper(order: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..order).flat_map(move |row| (row..order).map(move |k| (row, k)))
+}
+
 impl From<Factor> for Packed {
     fn from(factor: Factor) -> Packed {
-        let order = factor.triangle.nrows();
-        let entries = (0..order).flat_map(|row| (row..order).map(move |k| (row, k)));
+        let entries = upper(factor.triangle.nrows());
         Packed {
             rows: factor.rows,
             triangle: entries.map(|at| factor.triangle[at]).collect(),
@@ -272,8 +245,7 @@ impl TryFrom<Packed> for Factor {
         }
         let mut factor = Factor::new(order - 1);
         factor.rows = packed.rows;
-        let entries = (0..order).flat_map(|row| (row..order).map(move |k| (row, k)));
-        for (at, x) in entries.zip(packed.triangle) {
+        for (at, x) in upper(order).zip(packed.triangle) {
             factor.triangle[at] = x;
         }
         Ok(factor)

@@ -59,17 +59,21 @@ pub struct Parameter {
     pub source: Option<String>,
 }
 
-/// Data that parameters were identified from.
+/// A log that was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "LogUsed")
+)]
 pub struct DataUsed {
-    /// Path of the log as it was given.
+    /// Name of the log.
     pub file: String,
     /// Hash of its content.
     pub hash: String,
-    /// Rows of the log.
+    /// Rows.
     pub rows: u64,
-    /// First and last `t` of the log, s.
+    /// Least and largest `t`, s; none where the log has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub times: Option<[f64; 2]>,
 }

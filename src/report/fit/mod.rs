@@ -101,8 +101,8 @@ impl Shown {
         command: String,
         folder: Option<&Path>,
     ) -> Shown {
-        let (found, model) = (&report.identification, report.model());
-        let skeleton = Skeleton::of(model, &report.robot().description, folder);
+        let (found, model) = (&report.identification, &report.model);
+        let skeleton = Skeleton::of(model, &report.robot.description, folder);
         let mut deviations = vec![0.0_f64; skeleton.bodies.len()];
         for (known, param) in found.parameters.iter().zip(&model.base.params) {
             let (Column::Axis { body, .. } | Column::Prismatic { body }) = param.column;

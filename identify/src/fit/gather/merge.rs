@@ -100,7 +100,6 @@ impl Gathered {
         self.motion.merge(&other.motion);
         let closures = self.closure.take().into_iter().chain(other.closure);
         self.closure = closures.reduce(ClosureFound::worse);
-        self.plans.extend(other.plans);
         self.correlated |= other.correlated;
         for (sum, more) in self.axes.iter_mut().zip(other.axes) {
             *sum += more;
