@@ -24,7 +24,6 @@ use sesc_model::tree::is_support;
 use sesc_model::{Model, Snapping, files};
 
 use super::gather::{Gathered, LogUsed};
-use super::request::Request;
 use super::robust::Loss;
 use crate::health::Finding;
 use crate::logs::Stays;
@@ -34,7 +33,7 @@ use crate::robot::Robot;
 use crate::{Error, Message, Setting, message};
 
 /// First words of every file of this kind, with the version of its layout.
-const FORMAT: &str = "sesc factor 5";
+pub(super) const FORMAT: &str = "sesc factor 5";
 /// A part is at most so many times larger unpacked, beyond a mebibyte.
 const PACKED: u64 = 64;
 
@@ -42,7 +41,7 @@ const PACKED: u64 = 64;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Part {
     /// `sesc factor 5`.
-    format: String,
+    pub(super) format: String,
     /// Hash of the robot.
     pub hash: String,
     /// Name of the URDF file, for messages.
@@ -65,31 +64,6 @@ pub struct Part {
 }
 
 impl Part {
-    /// What the `gathered` logs of a request contribute, which stood on `supports`.
-    pub(crate) fn new(
-        request: &Request,
-        robot: &Robot,
-        supports: Vec<String>,
-        gathered: Gathered,
-    ) -> Part {
-        Part {
-            format: FORMAT.to_string(),
-            hash: robot.description.hash.clone(),
-            urdf_file: robot.description.file.clone(),
-            urdf: robot.text().to_string(),
-            support: supports[0].clone(),
-            supports,
-            snapped: request.snapping != Snapping::Off,
-            unit: request.unit.clone(),
-            options: PartOptions {
-                motion: request.motion,
-                stays: request.stays,
-                robust: request.robust,
-            },
-            gathered,
-        }
-    }
-
     /// The robot that the logs are of.
     pub(crate) fn robot(&self) -> Result<Robot, Error> {
         Robot::parse(&self.urdf, &self.urdf_file)

@@ -16,7 +16,7 @@ use super::identification::{Identification, Settings};
 use super::limits::Limits;
 use super::logs::Logs;
 use super::masses::Masses;
-use super::part::Part;
+use super::part::{FORMAT, Part, PartOptions};
 use super::prior::Prior;
 use super::request::{Duplicates, Request};
 use super::residuals::{self, Sample};
@@ -356,7 +356,23 @@ fn of_logs<'r>(
     let settled = (support, folds);
     let mut logs = Logs::read(request, Arc::clone(&robot), settled, alone, watch)?;
     let (supports, gathered) = logs.gather(watch)?;
-    Ok((logs, Part::new(request, &robot, supports, gathered)))
+    let part = Part {
+        format: FORMAT.to_string(),
+        hash: robot.description.hash.clone(),
+        urdf_file: robot.description.file.clone(),
+        urdf: robot.text().to_string(),
+        support: supports[0].clone(),
+        supports,
+        snapped: request.snapping != Snapping::Off,
+        unit: request.unit.clone(),
+        options: PartOptions {
+            motion: request.motion,
+            stays: request.stays,
+            robust: request.robust,
+        },
+        gathered,
+    };
+    Ok((logs, part))
 }
 
 /// Whether what is asked for agrees with what was settled when parts were gathered.
