@@ -147,26 +147,26 @@ impl<'a, 'm> Trial<'a, 'm> {
         let new = self.predict(fit);
         let blocks = self.here.blocks.iter().chain([&self.there]);
         let predicted = || fit.blocks.iter().chain([&new]);
-        let values = blocks.zip(predicted()).flat_map(|(block, own)| {
-            let predicted = block.predicted(&own.residual).into_iter();
-            predicted
-                .zip(&block.weight)
-                .map(|(value, weight)| value * weight)
+        let values = blocks.clone().zip(predicted()).flat_map(|(block, own)| {
+            let predicted = block.predicted(own).into_iter().zip(&block.weight);
+            predicted.map(|(value, weight)| value * weight)
         });
-        let slopes: Vec<_> = predicted().map(|own| own.slopes.as_view()).collect();
+        let slopes = blocks.zip(predicted());
+        let slopes = slopes.map(|(block, own)| own.slopes.rows(0, block.weight.len()));
+        let slopes: Vec<_> = slopes.collect();
         let slopes = below(&slopes, fit.unknowns.len());
         (DVector::from_vec(values.collect()), slopes)
     }
 
     /// New rows.
     fn predict(&self, fit: &Fit) -> OnBlock {
-        let mut own = self.here.carried(&self.there, &fit.terms);
+        let mut own = self.here.carried(&self.there, &fit.terms, &fit.unknowns);
         if self.is(Experiment::KnownWeight) {
             self.carry(&mut own);
         }
-        let context = self.sides(&own.terms, &own.unknowns(&fit.unknowns));
+        let context = self.sides(&own);
         let q = &self.there.data.q;
-        self.there.predict(&own, &fit.unknowns, q, &context)
+        self.there.predict(&own, fit.unknowns.len(), q, &context)
     }
 
     fn carry(&self, own: &mut CarriedExplanation) {
@@ -175,13 +175,18 @@ impl<'a, 'm> Trial<'a, 'm> {
         if let Some((weight, known)) = known_weight(context, mass, 0.3 * context.height()) {
             // Their order is their own: programs sort by stage, not by place in the list.
             own.terms.push(Term::Effect(weight));
-            own.known = known;
+            own.unknowns.extend(known);
         }
     }
 
     /// The context with sides of dead bands: gravity's, or in an approach from the other side,
     /// the other.
-    fn sides(&self, terms: &[Term], unknowns: &[f64]) -> Vec<f64> {
+    fn sides(
+        &self,
+        CarriedExplanation {
+            terms, unknowns, ..
+        }: &CarriedExplanation,
+    ) -> Vec<f64> {
         let data = &self.there.data;
         let mut context = data.posture_context.clone();
         let joints = self.there.slack_joints(terms);

@@ -229,10 +229,10 @@ pub(super) fn sorted(context: &EffectContext, terms: &[Term]) -> Vec<Term> {
 /// An explanation of a log in the parameters of a further experiment.
 pub(super) struct CarriedExplanation {
     pub terms: Vec<Term>,
-    /// Each of their unknowns: which one of the log's it is, and its sign.
-    pub columns: Vec<(usize, f64)>,
-    /// Values of a last term that is known: of a weight that is carried.
-    pub known: Vec<f64>,
+    pub unknowns: Vec<f64>,
+    /// Each of the unknowns: which one of the log's it is, and its sign; a weight that is carried
+    /// is none of them.
+    columns: Vec<(usize, f64)>,
 }
 
 impl CarriedExplanation {
@@ -244,12 +244,6 @@ impl CarriedExplanation {
             to += own * sign;
         }
         all
-    }
-
-    pub(super) fn unknowns(&self, of_log: &[f64]) -> Vec<f64> {
-        let columns = self.columns.iter();
-        let own = columns.map(|(k, sign)| sign * of_log[*k]);
-        own.chain(self.known.iter().copied()).collect()
     }
 }
 
@@ -264,19 +258,14 @@ fn moved(term: &Term, here: &EffectContext, there: &EffectContext) -> Option<Ter
     Some(Term::Effect(Instance { effect, target }))
 }
 
-/// What becomes of `terms` of the robot `here`, if anything, in an experiment `there`; all of them
-/// where it is none.
+/// What becomes of `terms` of the robot `here` with their unknowns, if anything, in an experiment
+/// `there`; all of them where it is none.
 pub(super) fn carried(
     experiment: Option<Experiment>,
-    here: &EffectContext,
-    there: &EffectContext,
-    terms: &[Term],
+    (here, there): (&EffectContext, &EffectContext),
+    (terms, unknowns): (&[Term], &[f64]),
 ) -> CarriedExplanation {
-    let mut carried = CarriedExplanation {
-        terms: Vec::new(),
-        columns: Vec::new(),
-        known: Vec::new(),
-    };
+    let (mut carried, mut columns) = (Vec::new(), Vec::new());
     for (term, own) in with_places(terms, here) {
         let (there, carry) = match experiment {
             None => (Some(term.clone()), Carry::Same),
@@ -287,11 +276,17 @@ pub(super) fn carried(
             Carry::Scaled(factors) => factors,
             Carry::Same => vec![1.0; own.len()],
         };
-        let Some(there) = there else {
-            continue;
-        };
-        carried.terms.push(there);
-        carried.columns.extend(own.zip(factors));
+        if let Some(there) = there {
+            carried.push(there);
+            columns.extend(own.zip(factors));
+        }
     }
-    carried
+    CarriedExplanation {
+        terms: carried,
+        unknowns: columns
+            .iter()
+            .map(|(k, sign)| sign * unknowns[*k])
+            .collect(),
+        columns,
+    }
 }

@@ -124,23 +124,18 @@ fn share(residuals: &[(usize, [f64; 2])], of: impl Fn(usize) -> f64) -> f64 {
 
 /// Whether more is left of the soles than noise leaves.
 pub(super) fn is_open(problem: &Problem, fit: &Fit) -> bool {
-    let closure = problem.first().closure.as_deref();
-    closure
-        .zip(fit.blocks[0].closed.as_ref())
-        .is_some_and(|(closure, closed)| {
-            let (chi2, expected) = closure.chi2(&closed.residual);
-            chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * expected
-        })
+    let first = problem.first();
+    first.closure.as_ref().is_some_and(|closure| {
+        let (chi2, expected) = closure.chi2(&first.soles_of(&fit.blocks[0]));
+        chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * expected
+    })
 }
 
 /// What is said of the soles, by CAD (`null`) and with the explanation.
 pub(super) fn closure_found(problem: &Problem, null: &Fit, best: &Fit) -> Option<ClosureFound> {
-    let closure = problem.first().closure.as_deref()?;
-    let (before, after) = (
-        null.blocks[0].closed.as_ref()?,
-        best.blocks[0].closed.as_ref()?,
-    );
-    let found = closure.said(&before.residual, &after.residual);
+    let first = problem.first();
+    let [before, after] = [null, best].map(|fit| first.soles_of(&fit.blocks[0]));
+    let found = first.closure.as_ref()?.said(&before, &after);
     let changed = !best.terms.is_empty() && found.after != found.before;
     Some(found.explained(changed))
 }

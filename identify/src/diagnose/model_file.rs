@@ -18,7 +18,6 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use sesc_model::effects::{Catalog, Stage};
 use sesc_model::{EffectRecord, ModelFile, Quantity};
@@ -28,7 +27,7 @@ use super::criteria::{
 };
 use super::findings::ModelOnLog;
 use super::hypothesis::effects_of;
-use super::problem::{ALL, Fit, InFile, OnBlock, Problem, backlash_sides};
+use super::problem::{ALL, Fit, InFile, Problem, backlash_sides};
 use super::{held_out, words};
 use crate::Error;
 use crate::lsq::solve::information;
@@ -189,11 +188,10 @@ pub(super) fn settle<'p, 'm>(problem: &'p Problem<'m>, fit: &Fit) -> (Cow<'p, Pr
 /// `masses`, m.
 fn in_file(problem: &Problem, fit: &Fit, masses: &[f64]) -> Vec<InFile> {
     let blocks = problem.blocks.iter();
-    let blocks = blocks.map(|block| {
-        let own = problem.carried(block, &fit.terms);
-        block.in_file(&own, &fit.unknowns, masses)
-    });
-    blocks.collect()
+    let own = |block| problem.carried(block, &fit.terms, &fit.unknowns);
+    blocks
+        .map(|block| block.in_file(&own(block), masses))
+        .collect()
 }
 
 /// Whether the masses at which a fit ends predict what its linear problem, `about` some masses,
@@ -204,7 +202,7 @@ fn agrees(problem: &Problem, about: &Problem, fit: &Fit) -> bool {
     let (mut apart, mut all) = (Vec::new(), Vec::new());
     let blocks = problem.blocks.iter().zip(&fit.blocks);
     for (((block, on), own), range) in blocks.zip(&predicted).zip(problem.readings()) {
-        let left = &*on.residual - shift.rows_range(range);
+        let left = on.residual.rows(0, range.len()) - shift.rows_range(range);
         apart.extend((block.residual(&own.readings) - &left).iter().copied());
         all.extend(left.iter().copied());
     }
@@ -216,8 +214,8 @@ fn linearised<'m>(problem: &Problem<'m>, fit: &Fit, r: &[f64]) -> Problem<'m> {
     let contexts = problem.posture_contexts(Some(fit));
     let blocks = problem.blocks.iter().zip(&contexts);
     let blocks = blocks.map(|(block, context)| {
-        let own = problem.carried(block, &fit.terms);
-        block.about(&own, &fit.unknowns, context, r)
+        let own = problem.carried(block, &fit.terms, &fit.unknowns);
+        block.about(&own, context, r)
     });
     problem.about(blocks.collect())
 }
@@ -260,16 +258,13 @@ fn stated(problem: &Problem, predicted: &[InFile], fit: Fit) -> Fit {
     // beside joints at rest: the file's own readings count.
     let on_blocks = state.there.iter_mut().zip(&contexts);
     for (((block, own), sides), (on, context)) in blocks().zip(on_blocks) {
-        let mut readings = block.predicted(&on.residual);
+        let mut readings = block.predicted(on);
         for row in (0..readings.len()).filter(|row| !sides.flipped.contains(&(row / 2))) {
             readings[row] = block.of_cad(row, own.readings[row]);
         }
-        *on = OnBlock {
-            residual: Arc::new(block.residual(&readings)),
-            sides: Some(block.sides_of(context)),
-            flipped: sides.flipped.clone(),
-            ..on.clone()
-        };
+        block.put_readings(&readings, on);
+        on.sides = Some(block.sides_of(context));
+        on.flipped.clone_from(&sides.flipped);
     }
     let covariance = problem.covariance(&state, &problem.scales(&fit.terms), &weighting);
     Fit {

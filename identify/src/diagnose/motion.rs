@@ -240,7 +240,7 @@ pub(super) fn said(problem: &Problem, fit: &Fit) -> MotionUse {
 
 /// The share of Δ in what an explanation leaves, with masses and its effects free.
 fn share_beside(problem: &Problem, fit: &Fit, moved: &Arc<Moved>) -> Option<Share> {
-    let (slopes, moving) = (fit.slopes(), fit.blocks[0].residual.len());
+    let (slopes, moving) = (fit.slopes(), problem.first().weight.len());
     let columns = DMatrix::from_fn(
         slopes.nrows(),
         1 + slopes.ncols(),

@@ -4,8 +4,6 @@
 //! p(y_i) = (1 − ε) N(0, σ) + ε N(0, ρ σ)        per posture, both axes together
 //! ```
 
-use nalgebra::DVector;
-
 use super::criteria;
 
 #[derive(Debug, Clone)]
@@ -20,7 +18,7 @@ pub struct Outliers {
 
 impl Outliers {
     /// Share and width that explain whitened residuals best (x, y per posture).
-    pub fn of(residual: &DVector<f64>, keep: Option<&[bool]>) -> Outliers {
+    pub fn of(residual: &[f64], keep: Option<&[bool]>) -> Outliers {
         let squares = squares(residual);
         let kept = |k: usize| keep.is_none_or(|keep| keep[k]);
         let count = (0..squares.len()).filter(|&k| kept(k)).count().max(1) as f64;
@@ -48,13 +46,21 @@ impl Outliers {
         found
     }
 
+    /// Log likelihood of a reading of this square by the narrow noise, and by the wide one.
+    fn log_likelihoods(&self, square: f64) -> [f64; 2] {
+        let shrunk = square / (self.width * self.width);
+        [
+            (1.0 - self.share).ln() - 0.5 * square,
+            self.share.ln() - 2.0 * self.width.ln() - 0.5 * shrunk,
+        ]
+    }
+
     fn judge(&mut self, squares: &[f64]) {
-        for (chance, square) in self.chance.iter_mut().zip(squares) {
-            let narrow = (1.0 - self.share).ln() - 0.5 * square;
-            let shrunk = square / (self.width * self.width);
-            let wide = self.share.ln() - 2.0 * self.width.ln() - 0.5 * shrunk;
-            *chance = 1.0 / (1.0 + (narrow - wide).exp());
-        }
+        let chance = |square: &f64| {
+            let [narrow, wide] = self.log_likelihoods(*square);
+            1.0 / (1.0 + (narrow - wide).exp())
+        };
+        self.chance = squares.iter().map(chance).collect();
     }
 
     /// Root of the weight of each reading.
@@ -69,7 +75,7 @@ impl Outliers {
 
     /// −2 log likelihood where `narrow` is that of the readings as weighted: the
     /// weighted squares are exchanged for the mixture's.
-    pub fn objective(&self, residual: &DVector<f64>, keep: Option<&[bool]>, narrow: f64) -> f64 {
+    pub fn objective(&self, residual: &[f64], keep: Option<&[bool]>, narrow: f64) -> f64 {
         let weights = self.root_weights(keep);
         let squares = squares(residual);
         let mut objective = narrow;
@@ -77,9 +83,7 @@ impl Outliers {
             if keep.is_some_and(|keep| !keep[k]) {
                 continue;
             }
-            let near = (1.0 - self.share).ln() - 0.5 * square;
-            let shrunk = square / (self.width * self.width);
-            let far = self.share.ln() - 2.0 * self.width.ln() - 0.5 * shrunk;
+            let [near, far] = self.log_likelihoods(*square);
             let most = near.max(far);
             let mixture = most + ((near - most).exp() + (far - most).exp()).ln();
             objective += -2.0 * mixture - weights[2 * k].powi(2) * square;
@@ -95,9 +99,8 @@ impl Outliers {
     }
 }
 
-fn squares(residual: &DVector<f64>) -> Vec<f64> {
-    let pairs = residual.as_slice().chunks_exact(2);
-    pairs
-        .map(|pair| pair[0] * pair[0] + pair[1] * pair[1])
-        .collect()
+fn squares(residual: &[f64]) -> Vec<f64> {
+    let pairs = residual.chunks_exact(2);
+    let squares = pairs.map(|pair| pair[0] * pair[0] + pair[1] * pair[1]);
+    squares.collect()
 }

@@ -30,7 +30,7 @@ use crate::lsq::solve::Beyond;
 use crate::observations::correlation::Correlation;
 
 use crate::svd::svd;
-pub use block::{Block, Closed, InFile, OwnSides};
+pub use block::{Block, InFile, OwnSides};
 pub(super) use block::{run_alone, side, soles_of};
 pub(super) use fitting::Weighting;
 
@@ -88,12 +88,11 @@ pub(super) struct Fit {
 /// What a hypothesis predicts of a block.
 #[derive(Debug, Clone)]
 pub(super) struct OnBlock {
-    /// Whitened residuals (reading − predicted)/σ.
+    /// Whitened residuals (reading − predicted)/σ and, below them, those of the soles, where the
+    /// log is of both feet.
     pub residual: Arc<DVector<f64>>,
-    /// Whitened derivative of the readings by the unknowns of all blocks.
+    /// Whitened derivative of the same rows by the unknowns of all blocks.
     pub slopes: Arc<DMatrix<f64>>,
-    /// The same of the soles, where the log is of both feet.
-    pub closed: Option<Closed>,
     /// Sides of dead bands, where they matter.
     pub sides: Option<OwnSides>,
     /// Postures with a joint on the side of its dead band that gravity does not favour.
@@ -134,25 +133,15 @@ impl Fit {
     }
 }
 
-/// Whitened residuals of readings and, below them, of soles, block by block.
+/// Whitened residuals of all rows, block by block.
 pub(super) fn stacked_residual(blocks: &[OnBlock]) -> DVector<f64> {
-    let rows: Vec<f64> = blocks
-        .iter()
-        .flat_map(|own| {
-            let soles = own.closed.iter().flat_map(|soles| soles.residual.iter());
-            own.residual.iter().chain(soles)
-        })
-        .copied()
-        .collect();
-    DVector::from_vec(rows)
+    let rows = blocks.iter().flat_map(|own| own.residual.iter().copied());
+    DVector::from_vec(rows.collect())
 }
 
 /// The same of slopes by so many unknowns.
 pub(super) fn stacked_slopes(blocks: &[OnBlock], unknowns: usize) -> DMatrix<f64> {
-    let parts = blocks.iter().flat_map(|own| {
-        let soles = own.closed.iter().map(|soles| soles.slopes.as_view());
-        [own.slopes.as_view()].into_iter().chain(soles)
-    });
+    let parts = blocks.iter().map(|own| own.slopes.as_view());
     below(&parts.collect::<Vec<_>>(), unknowns)
 }
 
@@ -214,14 +203,15 @@ impl<'m> Problem<'m> {
         self.blocks.iter().map(Block::height).sum()
     }
 
-    /// `terms` as this block has them.
-    pub(super) fn carried(&self, block: &Block, terms: &[Term]) -> CarriedExplanation {
-        carried(
-            block.experiment,
-            &self.first().context,
-            &block.context,
-            terms,
-        )
+    /// `terms` with their unknowns as this block has them.
+    pub(super) fn carried(
+        &self,
+        block: &Block,
+        terms: &[Term],
+        unknowns: &[f64],
+    ) -> CarriedExplanation {
+        let contexts = (&self.first().context, &block.context);
+        carried(block.experiment, contexts, (terms, unknowns))
     }
 
     /// Rows per independent one, of the block and axis that have fewest.
@@ -289,16 +279,16 @@ impl<'m> Problem<'m> {
     /// they take up: free masses alone leave what the fit explains, too.
     pub(super) fn left_beside_masses(&self, fit: &Fit) -> (Vec<f64>, f64) {
         let (first, own) = (self.first(), &fit.blocks[0]);
-        let n = own.residual.len();
-        let left = |row: usize| own.residual[row] / first.weight[row];
-        let left = DVector::from_fn(n, |row, _| left(row));
+        let n = first.weight.len();
+        let left = DVector::from_fn(n, |row, _| own.residual[row] / first.weight[row]);
         let (p, unknowns) = (first.rows.ncols(), own.slopes.ncols());
         // Unknowns come in all units.
-        let sizes = own.slopes.column_iter().map(|c| c.norm().max(1e-30));
+        let slopes = own.slopes.rows(0, n);
+        let sizes = slopes.column_iter().map(|c| c.norm().max(1e-30));
         let sizes: Vec<f64> = sizes.collect();
         let columns = DMatrix::from_fn(n, p + unknowns, |row, c| match c.checked_sub(p) {
             None => first.rows[(row, c)],
-            Some(c) => own.slopes[(row, c)] / first.weight[row] / sizes[c],
+            Some(c) => slopes[(row, c)] / first.weight[row] / sizes[c],
         });
         without(&columns, left)
     }
@@ -502,29 +492,26 @@ impl<'m> Problem<'m> {
 
     /// What is known of the postures of each block, under a fit to them where one is given.
     pub(super) fn posture_contexts(&self, fit: Option<&Fit>) -> Vec<Cow<'_, [f64]>> {
-        let sides = |at: usize| fit?.blocks[at].sides.as_ref();
         let blocks = self.blocks.iter().enumerate();
-        blocks
-            .map(|(at, block)| {
-                let log = &block.data.posture_context;
-                match sides(at) {
+        let contexts =
+            blocks.map(
+                |(at, block)| match fit.and_then(|fit| fit.blocks[at].sides.as_ref()) {
                     Some(own) => Cow::Owned(block.context_of(own)),
-                    None => Cow::Borrowed(&log[..]),
-                }
-            })
-            .collect()
+                    None => Cow::Borrowed(&block.data.posture_context[..]),
+                },
+            );
+        contexts.collect()
     }
 
     /// Joint positions of every block's postures as a hypothesis bends them.
     pub(super) fn bent(&self, fit: &Fit) -> Vec<Vec<f64>> {
         let contexts = self.posture_contexts(Some(fit));
         let blocks = self.blocks.iter().zip(&contexts);
-        blocks
-            .map(|(block, context)| {
-                let own = self.carried(block, &fit.terms);
-                block.bent(&own.terms, &own.unknowns(&fit.unknowns), context)
-            })
-            .collect()
+        let bent = blocks.map(|(block, context)| {
+            let own = self.carried(block, &fit.terms, &fit.unknowns);
+            block.bent(&own.terms, &own.unknowns, context)
+        });
+        bent.collect()
     }
 }
 

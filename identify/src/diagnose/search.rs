@@ -8,6 +8,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
+use nalgebra::DVector;
 use sesc_model::effects::Stage;
 
 use super::criteria;
@@ -191,7 +192,7 @@ impl<'m> Search<'m> {
         };
         keep_some(&mut proposals, added, per_kind, most);
         let models = [
-            (Term::Outliers, with_outliers(parent)),
+            (Term::Outliers, self.with_outliers(parent)),
             (Term::Masses, self.with_masses(parent)),
         ];
         for (term, change) in models {
@@ -200,6 +201,16 @@ impl<'m> Search<'m> {
             }
         }
         proposals
+    }
+
+    /// Change of the objective of a hypothesis beside outliers.
+    fn with_outliers(&self, parent: &Fit) -> Option<f64> {
+        let residual = self.problem.first().readings_of(&parent.blocks[0]);
+        let outliers = Outliers::of(residual, None);
+        let root = outliers.root_weights(None);
+        let squares = residual.iter().zip(&root).map(|(e, w)| (e * w).powi(2));
+        let mixture = outliers.objective(residual, None, squares.sum());
+        Some(mixture - DVector::from_column_slice(residual).norm_squared())
     }
 
     /// Change of the objective of a hypothesis beside masses within other tolerances; none where
@@ -328,16 +339,6 @@ fn keep_some<T, K: Ord>(all: &mut Vec<T>, kind: impl Fn(&T) -> K, of_each: usize
         *count <= of_each
     });
     all.truncate(most);
-}
-
-/// Change of the objective of a hypothesis beside outliers.
-fn with_outliers(parent: &Fit) -> Option<f64> {
-    let residual = &*parent.blocks[0].residual;
-    let outliers = Outliers::of(residual, None);
-    let root = outliers.root_weights(None);
-    let squares = residual.iter().zip(&root).map(|(e, w)| (e * w).powi(2));
-    let mixture = outliers.objective(residual, None, squares.sum());
-    Some(mixture - residual.norm_squared())
 }
 
 /// Whether a term may stand beside others.

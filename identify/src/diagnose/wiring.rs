@@ -2,7 +2,6 @@
 //! near linear, so each is computed, alone and beside the best linear effect.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use nalgebra::DVector;
 use sesc_model::tape::Tape;
@@ -127,15 +126,15 @@ fn residual(
     fault: &Term,
 ) -> DVector<f64> {
     let rewired = problem.blocks.iter().map(|block| {
-        let own = problem.carried(block, std::slice::from_ref(fault));
+        let own = problem.carried(block, std::slice::from_ref(fault), &[]);
         block.rewired(&own.terms)
     });
     let (q, rewires): (Vec<Vec<f64>>, Vec<Option<Tape>>) = rewired.unzip();
     let mut predicted = problem.predict(terms, unknowns, contexts, Some(&q));
     for ((on, block), rewire) in predicted.iter_mut().zip(&problem.blocks).zip(&rewires) {
         if let Some(tape) = rewire {
-            let readings = run_alone(tape, &block.predicted(&on.residual), block.data.len());
-            on.residual = Arc::new(block.residual(&readings));
+            let readings = run_alone(tape, &block.predicted(on), block.data.len());
+            block.put_readings(&readings, on);
         }
     }
     stacked_residual(&predicted)

@@ -10,7 +10,7 @@ use sesc_model::effects::{PostureContext, ROUNDS};
 
 use super::{Block, Problem, side, stacked_residual};
 use crate::diagnose::criteria;
-use crate::diagnose::hypothesis::Term;
+use crate::diagnose::hypothesis::{CarriedExplanation, Term};
 
 /// Sides of a block, written into its posture context, with the penalty of the unlikely ones.
 pub struct Sides {
@@ -23,15 +23,10 @@ pub struct Sides {
 /// The side of every slack joint in every posture of each block: gravity's, and where that is
 /// nearly even and the unknowns are `fitted`, the reading's.
 pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fitted: bool) -> Vec<Sides> {
-    let blocks = problem.blocks.iter().map(|block| {
-        let own = problem.carried(block, terms);
-        let given = own.unknowns(unknowns);
-        (block, own.terms, given)
-    });
-    let blocks: Vec<(&Block, Vec<Term>, Vec<f64>)> = blocks.collect();
-    let resting = blocks
-        .iter()
-        .map(|(block, terms, unknowns)| by_gravity(block, terms, unknowns));
+    let blocks = problem.blocks.iter();
+    let blocks = blocks.map(|block| (block, problem.carried(block, terms, unknowns)));
+    let blocks: Vec<(&Block, CarriedExplanation)> = blocks.collect();
+    let resting = blocks.iter().map(|(block, own)| by_gravity(block, own));
     let (mut sides, moments): (Vec<Sides>, Vec<Vec<f64>>) = resting.unzip();
     if fitted {
         let contexts = sides.iter().map(|own| own.posture_context[..].into());
@@ -44,17 +39,17 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fitted: bool)
             .zip(&blocks)
             .zip(&moments)
             .zip(problem.readings());
-        for (((sides, (block, terms, unknowns)), moments), range) in own {
+        for (((sides, (block, own)), moments), range) in own {
             let unexplained = &unexplained.as_slice()[range];
-            by_reading(block, (terms, unknowns), moments, unexplained, sides);
+            by_reading(block, own, moments, unexplained, sides);
         }
     }
     sides
 }
 
 /// The sides that gravity decides, and the moments there.
-fn by_gravity(block: &Block, terms: &[Term], unknowns: &[f64]) -> (Sides, Vec<f64>) {
-    let joints = block.slack_joints(terms);
+fn by_gravity(block: &Block, own: &CarriedExplanation) -> (Sides, Vec<f64>) {
+    let joints = block.slack_joints(&own.terms);
     let joints = || joints.iter().map(|(joint, _)| *joint);
     let mut posture_context = block.data.posture_context.clone();
     let mut moments = Vec::new();
@@ -63,7 +58,8 @@ fn by_gravity(block: &Block, terms: &[Term], unknowns: &[f64]) -> (Sides, Vec<f6
         // From the middle of every band, all at once, as in `Measured::bend`.
         block.put_sides(&mut posture_context, joints(), |_, _, _| 0.0);
         for _ in 0..ROUNDS {
-            moments = block.evaluate_moments(terms, unknowns, &block.data.q, &posture_context);
+            let q = &block.data.q;
+            moments = block.evaluate_moments(&own.terms, &own.unknowns, q, &posture_context);
             block.put_sides(&mut posture_context, joints(), |k, joint, before| {
                 before + side(moments[k * 3 * dof + joint]) / ROUNDS as f64
             });
@@ -80,7 +76,9 @@ fn by_gravity(block: &Block, terms: &[Term], unknowns: &[f64]) -> (Sides, Vec<f6
 /// Put joints that may rest on either side where the reading has them.
 fn by_reading(
     block: &Block,
-    (terms, unknowns): (&[Term], &[f64]),
+    CarriedExplanation {
+        terms, unknowns, ..
+    }: &CarriedExplanation,
     moments: &[f64],
     unexplained: &[f64],
     sides: &mut Sides,

@@ -22,7 +22,7 @@ use sesc_model::standard::Shift;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Model};
 
-use super::{OnBlock, without};
+use super::{OnBlock, below, without};
 use crate::Error;
 use crate::diagnose::hypothesis::{CarriedExplanation, Term, effects_of, with_places};
 use crate::evaluate::{Evaluator, FASTEST};
@@ -66,15 +66,6 @@ pub struct Block<'m> {
     shift: Option<Arc<Shift>>,
     /// Shared by copies of the block, whose noise may be another.
     tapes: Arc<Mutex<Tapes>>,
-}
-
-/// Whitened rows of the soles: three a posture.
-#[derive(Debug, Clone)]
-pub struct Closed {
-    /// (0 − value)/σ
-    pub residual: DVector<f64>,
-    /// Derivative of the value by the unknowns, over σ.
-    pub slopes: DMatrix<f64>,
 }
 
 /// What a model file predicts of a log, posture by posture.
@@ -265,11 +256,27 @@ impl<'m> Block<'m> {
         })
     }
 
-    /// Readings that are predicted where these residuals are left, m.
-    pub(in crate::diagnose) fn predicted(&self, residual: &DVector<f64>) -> Vec<f64> {
-        let rows = 0..residual.len();
-        rows.map(|row| self.data.reading[row] - residual[row] / self.weight[row])
+    /// Readings that an explanation predicts, m.
+    pub(in crate::diagnose) fn predicted(&self, on: &OnBlock) -> Vec<f64> {
+        let rows = 0..self.weight.len();
+        rows.map(|row| self.data.reading[row] - on.residual[row] / self.weight[row])
             .collect()
+    }
+
+    /// Whitened residuals of readings that an explanation leaves.
+    pub(in crate::diagnose) fn readings_of<'o>(&self, on: &'o OnBlock) -> &'o [f64] {
+        &on.residual.as_slice()[..self.weight.len()]
+    }
+
+    /// Whitened residuals of the soles that an explanation leaves.
+    pub(in crate::diagnose) fn soles_of(&self, on: &OnBlock) -> DVector<f64> {
+        DVector::from_column_slice(&on.residual.as_slice()[self.weight.len()..])
+    }
+
+    /// Let an explanation predict other `readings`, m.
+    pub(in crate::diagnose) fn put_readings(&self, readings: &[f64], on: &mut OnBlock) {
+        let mut own = Arc::make_mut(&mut on.residual).rows_mut(0, readings.len());
+        own.copy_from(&self.residual(readings));
     }
 
     /// Rows per independent one, of the axis that has fewer.
@@ -321,16 +328,17 @@ impl<'m> Block<'m> {
         known().entry(key).or_insert(tape).clone()
     }
 
-    /// Outputs of a program at joint positions `q`, posture by posture; of one of any masses at
-    /// `masses`, m.
+    /// Outputs of the program of a set of terms at joint positions `q`, posture by posture; of one
+    /// of any masses at `masses`, m.
     fn run(
         &self,
-        tape: &Tape,
+        output: Output,
+        (terms, unknowns): (&[Term], &[f64]),
         q: &[f64],
-        unknowns: &[f64],
         posture_context: &[f64],
         masses: Option<&[f64]>,
     ) -> Vec<f64> {
+        let tape = self.tape(output, terms);
         let n = posture_context.len() / PostureContext::of(self.context.robot).len();
         let mut out = vec![0.0; n * tape.outputs()];
         let mut arguments = vec![
@@ -351,37 +359,35 @@ impl<'m> Block<'m> {
         q: &[f64],
         posture_context: &[f64],
     ) -> Vec<f64> {
-        let tape = self.tape(Output::Reading, terms);
-        self.run(&tape, q, unknowns, posture_context, None)
+        self.run(Output::Reading, (terms, unknowns), q, posture_context, None)
     }
 
-    /// What an explanation predicts at joint positions `q`, with slopes by the unknowns of the
-    /// first block.
+    /// What an explanation predicts at joint positions `q`, with slopes by the `count` unknowns of
+    /// the first block.
     pub(in crate::diagnose) fn predict(
         &self,
         own: &CarriedExplanation,
-        unknowns: &[f64],
+        count: usize,
         q: &[f64],
         posture_context: &[f64],
     ) -> OnBlock {
-        let (given, count) = (own.unknowns(unknowns), unknowns.len());
-        let out = self.evaluate(&own.terms, &given, q, posture_context);
-        let width = given.len() + 1;
+        let out = self.evaluate(&own.terms, &own.unknowns, q, posture_context);
+        let width = own.unknowns.len() + 1;
         let rows = out.len() / width;
-        let predicted: Vec<f64> = (0..rows)
-            .map(|row| self.of_cad(row, out[row * width]))
-            .collect();
-        let slopes = DMatrix::from_fn(rows, given.len(), |row, k| {
+        let predicted = (0..rows).map(|row| self.of_cad(row, out[row * width]));
+        let mut residual = self.residual(&predicted.collect::<Vec<_>>());
+        let mut slopes = DMatrix::from_fn(rows, width - 1, |row, k| {
             out[row * width + 1 + k] * self.weight[row]
         });
-        let closed = self.closed(&own.terms, &given, q, posture_context);
+        if let Some(closure) = &self.closure {
+            let (soles, by_unknowns) = self.closed(closure, own, q, posture_context);
+            let both = residual.iter().chain(&soles).copied();
+            residual = DVector::from_vec(both.collect());
+            slopes = below(&[slopes.as_view(), by_unknowns.as_view()], width - 1);
+        }
         OnBlock {
-            residual: Arc::new(self.residual(&predicted)),
+            residual: Arc::new(residual),
             slopes: Arc::new(own.by_unknowns(&slopes, count)),
-            closed: closed.map(|closed| Closed {
-                slopes: own.by_unknowns(&closed.slopes, count),
-                ..closed
-            }),
             sides: None,
             flipped: Vec::new(),
         }
@@ -389,19 +395,18 @@ impl<'m> Block<'m> {
 
     /// What a file with an explanation predicts of this log where base parameters of the first
     /// block are `masses`, m.
-    pub(in crate::diagnose) fn in_file(
-        &self,
-        own: &CarriedExplanation,
-        unknowns: &[f64],
-        masses: &[f64],
-    ) -> InFile {
-        let (tape, masses) = (
-            self.tape(Output::InFile, &own.terms),
-            self.params_from_first(masses),
+    pub(in crate::diagnose) fn in_file(&self, own: &CarriedExplanation, masses: &[f64]) -> InFile {
+        let (data, masses) = (&self.data, self.params_from_first(masses));
+        let own = (&own.terms[..], &own.unknowns[..]);
+        let out = self.run(
+            Output::InFile,
+            own,
+            &data.q,
+            &data.posture_context,
+            Some(&masses),
         );
-        let (given, context) = (own.unknowns(unknowns), &self.data.posture_context);
-        let out = self.run(&tape, &self.data.q, &given, context, Some(&masses));
-        let postures = out.chunks_exact(tape.outputs()).map(|own| own.split_at(2));
+        let width = out.len() / data.len();
+        let postures = out.chunks_exact(width).map(|own| own.split_at(2));
         let (readings, depths): (Vec<_>, Vec<_>) = postures.unzip();
         let mut readings = readings.concat();
         if let Some(rows) = &self.motion_rows {
@@ -424,16 +429,18 @@ impl<'m> Block<'m> {
     pub(in crate::diagnose) fn about(
         &self,
         own: &CarriedExplanation,
-        unknowns: &[f64],
         posture_context: &[f64],
         masses: &[f64],
     ) -> Block<'m> {
-        let (tape, params) = (
-            self.tape(Output::ByMasses, &own.terms),
-            self.params_from_first(masses),
+        let params = self.params_from_first(masses);
+        let (own, width) = ((&own.terms[..], &own.unknowns[..]), 1 + params.len());
+        let out = self.run(
+            Output::ByMasses,
+            own,
+            &self.data.q,
+            posture_context,
+            Some(&params),
         );
-        let (given, width) = (own.unknowns(unknowns), 1 + params.len());
-        let out = self.run(&tape, &self.data.q, &given, posture_context, Some(&params));
         let mut rows = DMatrix::from_fn(2 * self.data.len(), params.len(), |row, k| {
             out[row * width + 1 + k]
         });
@@ -462,8 +469,7 @@ impl<'m> Block<'m> {
         q: &[f64],
         posture_context: &[f64],
     ) -> Vec<f64> {
-        let tape = self.tape(Output::Moments, terms);
-        self.run(&tape, q, unknowns, posture_context, None)
+        self.run(Output::Moments, (terms, unknowns), q, posture_context, None)
     }
 
     /// Gravity moments and slopes of the robot with CAD masses, at positions `q`.
@@ -471,33 +477,28 @@ impl<'m> Block<'m> {
         self.evaluate_moments(&[], &[], q, &self.data.posture_context)
     }
 
-    /// The soles at joint positions `q`; `None` where the log is not of both feet.
-    pub(super) fn closed(
+    /// Whitened rows of the soles at joint positions `q`, three a posture: (0 − value)/σ, and the
+    /// derivative of the value by the unknowns, over σ.
+    fn closed(
         &self,
-        terms: &[Term],
-        unknowns: &[f64],
+        closure: &Closure,
+        CarriedExplanation {
+            terms, unknowns, ..
+        }: &CarriedExplanation,
         q: &[f64],
         posture_context: &[f64],
-    ) -> Option<Closed> {
-        let closure = self.closure.as_deref()?;
+    ) -> (DVector<f64>, DMatrix<f64>) {
         // Sensors, masses and the ground move no sole: one program is enough for them all.
         let idle = !terms.iter().any(bends);
-        let (own, given): (&[Term], &[f64]) = if idle { (&[], &[]) } else { (terms, unknowns) };
-        let tape = self.tape(Output::Sole, own);
-        let out = self.run(&tape, q, given, posture_context, None);
-        let width = 1 + given.len();
-        let rows = ROWS * self.data.len();
-        let slopes = DMatrix::from_fn(rows, unknowns.len(), |row, k| {
-            if idle {
-                0.0
-            } else {
-                out[row * width + 1 + k] * closure.weight(row)
-            }
-        });
-        Some(Closed {
-            residual: closure.whitened(out.iter().step_by(width).copied()),
-            slopes,
-        })
+        let own: (&[Term], &[f64]) = if idle { (&[], &[]) } else { (terms, unknowns) };
+        let out = self.run(Output::Sole, own, q, posture_context, None);
+        let (rows, width) = (ROWS * self.data.len(), 1 + own.1.len());
+        let mut slopes = DMatrix::zeros(rows, unknowns.len());
+        if !idle {
+            let slope = |row: usize, k: usize| out[row * width + 1 + k] * closure.weight(row);
+            slopes = DMatrix::from_fn(rows, unknowns.len(), slope);
+        }
+        (closure.whitened(out.iter().step_by(width).copied()), slopes)
     }
 
     /// Put joints of every posture of a context where `to` has them, by posture, joint and the side
@@ -551,8 +552,8 @@ impl<'m> Block<'m> {
         if !terms.iter().any(bends) {
             return self.data.q.clone();
         }
-        let tape = self.tape(Output::Joints, terms);
-        self.run(&tape, &self.data.q, unknowns, posture_context, None)
+        let own = (terms, unknowns);
+        self.run(Output::Joints, own, &self.data.q, posture_context, None)
     }
 
     /// The effect of faults of wiring or of the record: the joint positions that they leave, and

@@ -96,7 +96,7 @@ impl Problem<'_> {
             }
             if outlying {
                 let fit = fit.as_ref().expect("set above");
-                outliers = Some(Outliers::of(&fit.blocks[0].residual, keep));
+                outliers = Some(Outliers::of(self.first().readings_of(&fit.blocks[0]), keep));
             }
         }
         fit.expect("at least one round")
@@ -130,7 +130,7 @@ impl Problem<'_> {
             .map(|own| own.penalty)
             .sum::<f64>();
         if let Some(outliers) = outliers {
-            let residual = &state.there[0].residual;
+            let residual = self.first().readings_of(&state.there[0]);
             objective = outliers.objective(residual, keep, objective);
         }
         let mut blocks = state.there;
@@ -218,9 +218,9 @@ impl Problem<'_> {
     ) -> Vec<OnBlock> {
         let blocks = self.blocks.iter().zip(contexts).enumerate();
         let predicted = blocks.map(|(at, (block, context))| {
-            let own = self.carried(block, terms);
+            let own = self.carried(block, terms, unknowns);
             let q = q.map_or(&block.data.q, |q| &q[at]);
-            block.predict(&own, unknowns, q, context)
+            block.predict(&own, unknowns.len(), q, context)
         });
         predicted.collect()
     }
