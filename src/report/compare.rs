@@ -14,7 +14,7 @@ use super::next_steps::{self, Worded};
 use super::origin::recorded;
 use super::table::{Table, chance, in_words};
 use sesc_identify::compare::{Change, Comparison, Difference, EffectChange};
-use sesc_identify::diagnose::words::{NamedValue, spoken};
+use sesc_identify::diagnose::words::spoken;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::effects::{Target, Unit};
 use sesc_model::{DataUsed, ModelFile};
@@ -87,7 +87,7 @@ fn rows(table: &mut Table, effect: &EffectChange) {
 fn of(parameter: &Difference, value: f64) -> String {
     let name = &parameter.name;
     match parameter.std {
-        Some(std) => spoken(&NamedValue { name, value, std }),
+        Some(std) => spoken(name, value, std),
         None => {
             let (factor, unit) = Unit::of(name).shown();
             format!("{:.4} {unit}", factor * value)

@@ -10,7 +10,7 @@ use super::com_spread;
 use super::criteria;
 use super::findings::{
     About, ActsOn, Blind, Diagnosis, Explained, HeldOut, Last, Leftover, Member, ModelOnLog,
-    NextPostures, Quantity, Score, Step, Suspect, Verdict,
+    NextPostures, Score, Step, Suspect, Verdict,
 };
 use super::held_out;
 use super::hypothesis::Term;
@@ -320,7 +320,7 @@ fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
     if let (Some(_), Some((term, gain))) = (of("units"), of("sensor_gain"))
         && gain
             .iter()
-            .any(|gain| !criteria::GAIN_BESIDE_UNIT.contains(&gain.value))
+            .any(|(_, gain)| !criteria::GAIN_BESIDE_UNIT.contains(&gain.value))
     {
         let clause = capital(&words::clause(context, term, gain));
         return Some(format!(
@@ -330,7 +330,7 @@ fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
     }
     fit.terms.iter().zip(&found).find_map(|(term, found)| {
         let instance = term.effect()?;
-        let values: Vec<f64> = found.iter().map(|v| v.value).collect();
+        let values: Vec<f64> = found.iter().map(|(_, own)| own.value).collect();
         let (effect, target) = (instance.effect, &instance.target);
         let reason = effect
             .implausible_reason(context, target, &values)
@@ -370,10 +370,6 @@ fn steps_told(
     evidence: &[f64],
 ) -> Vec<Step> {
     let (context, values) = (&problem.first().context, words::values(problem, best));
-    let quantity = |found: &words::NamedValue<'static>| {
-        let (value, std) = (found.value, found.std);
-        (found.name, Quantity { value, std })
-    };
     let step = |(k, &at): (usize, &usize)| {
         let (term, values) = (&best.terms[at], &values[at]);
         let (rmse_before, rmse_after) = (held[k].gap.rmse, held[k + 1].gap.rmse);
@@ -385,7 +381,7 @@ fn steps_told(
             effect: term.name(),
             target: term.target_name(context),
             acts_on: ActsOn::of(term, context),
-            parameters: values.iter().map(quantity).collect(),
+            parameters: values.iter().cloned().collect(),
             fitted: term.fitted(context),
             rmse_before,
             rmse_after,
@@ -407,15 +403,10 @@ fn score(problem: &Problem, fit: &Fit, none: &Fit) -> Option<Score> {
     let context = &problem.first().context;
     let mut found = fit.terms.iter().zip(words::values(problem, fit));
     let (term, values) = found.find(|(term, _)| term.effect().is_some())?;
-    let values = values.into_iter();
-    let quantity = |found: words::NamedValue<'static>| {
-        let (value, std) = (found.value, found.std);
-        (found.name, Quantity { value, std })
-    };
     Some(Score {
         effect: term.name(),
         target: term.target_name(context),
-        parameters: values.map(quantity).collect(),
+        parameters: values.into_iter().collect(),
         fitted: term.fitted(context),
         evidence: none.score() - fit.score(),
         chi2: none.objective - fit.objective,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sesc_model::effects::{EffectContext, Fitted, Target};
 
 use super::hypothesis::{FREE_MASSES, Term};
@@ -18,7 +18,7 @@ use crate::observations::revisits::Again;
 use crate::observations::sample_count::SampleCount;
 
 /// What a diagnosis comes to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -39,17 +39,6 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Every verdict.
-    pub const ALL: [Verdict; 7] = [
-        Verdict::None,
-        Verdict::Named,
-        Verdict::Class,
-        Verdict::Absorbed,
-        Verdict::Unexplained,
-        Verdict::TooShort,
-        Verdict::Unusable,
-    ];
-
     /// Its name in JSON and in tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -61,13 +50,6 @@ impl Verdict {
             Verdict::TooShort => "too_short",
             Verdict::Unusable => "unusable",
         }
-    }
-
-    /// The verdict of this name.
-    pub fn from_name(name: &str) -> Option<Verdict> {
-        Verdict::ALL
-            .into_iter()
-            .find(|verdict| verdict.name() == name)
     }
 }
 

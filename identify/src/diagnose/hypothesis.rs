@@ -232,7 +232,7 @@ pub(super) struct CarriedExplanation {
     pub unknowns: Vec<f64>,
     /// Each of the unknowns: which one of the log's it is, and its sign; a weight that is carried
     /// is none of them.
-    columns: Vec<(usize, f64)>,
+    pub columns: Vec<(usize, f64)>,
 }
 
 impl CarriedExplanation {

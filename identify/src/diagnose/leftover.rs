@@ -8,6 +8,8 @@
 //! Postures are sorted by the position of a joint, by its gravity moment or by their place in the
 //! log, and cut into bins of equally many; e are residuals in units of their noise.
 
+use std::ops::Range;
+
 use sesc_model::effects::PostureContext;
 
 use super::criteria::{BINS, PER_BIN};
@@ -71,25 +73,22 @@ impl Misfit {
 /// What the residual goes with, each with its share of the scatter, the strongest first.
 pub(super) fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
     let (shift, apart) = (problem.mass_shift(fit), held_out::apart(problem, fit));
-    let left = |row: usize| fit.blocks[0].residual[row] - shift[row];
     // Whitened, without what masses take, of the postures that judge.
-    let postures = (0..apart.len()).filter(|&k| !apart[k]);
-    let residuals = postures.map(|k| (k, [left(2 * k), left(2 * k + 1)]));
-    let residuals: Vec<(usize, [f64; 2])> = residuals.collect();
-    let (data, layout) = (
-        &problem.first().data,
-        PostureContext::of(problem.first().context.robot),
-    );
-    let dofs = &problem.first().context.robot.tree.dofs;
+    let left = |row: usize| fit.blocks[0].residual[row] - shift[row];
+    let postures: Vec<usize> = (0..apart.len()).filter(|&k| !apart[k]).collect();
+    let share = |of: &dyn Fn(usize) -> f64| Bins::new(postures.clone(), of).share(left, 0..2).0;
+    let data = &problem.first().data;
+    let robot = problem.first().context.robot;
+    let (layout, dofs) = (PostureContext::of(robot), &robot.tree.dofs);
     let moments = problem.first().moments_at(&data.q);
     let place = |k: usize| data.posture_context[k * layout.len() + layout.place()];
-    let mut found = vec![(Suspect::Place, share(&residuals, place))];
+    let mut found = vec![(Suspect::Place, share(&place))];
     for (j, dof) in dofs.iter().enumerate() {
         let position = |k: usize| data.q[k * dofs.len() + j];
         let moment = |k: usize| moments[k * 3 * dofs.len() + j];
         let joint = || dof.joint.clone();
-        found.push((Suspect::Position(joint()), share(&residuals, position)));
-        found.push((Suspect::Moment(joint()), share(&residuals, moment)));
+        found.push((Suspect::Position(joint()), share(&position)));
+        found.push((Suspect::Moment(joint()), share(&moment)));
     }
     found.retain(|(_, share)| *share > 0.0);
     found.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -97,29 +96,38 @@ pub(super) fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
     found
 }
 
-/// Share of the residuals' scatter that the means of bins of a quantity explain.
-fn share(residuals: &[(usize, [f64; 2])], of: impl Fn(usize) -> f64) -> f64 {
-    let mut sorted = residuals.to_vec();
-    sorted.sort_by(|a, b| of(a.0).total_cmp(&of(b.0)));
-    let (n, bins) = (sorted.len(), (sorted.len() / PER_BIN).clamp(1, BINS));
-    let scatter = |rows: &[(usize, [f64; 2])]| -> f64 {
-        let axis = |a: usize| {
-            let mean = rows.iter().map(|row| row.1[a]).sum::<f64>() / rows.len() as f64;
-            rows.iter()
-                .map(|row| (row.1[a] - mean).powi(2))
-                .sum::<f64>()
-        };
-        axis(0) + axis(1)
-    };
-    let cut = |bin: usize| bin * n / bins;
-    let within: f64 = (0..bins)
-        .map(|b| scatter(&sorted[cut(b)..cut(b + 1)]))
-        .sum();
-    let whole = scatter(&sorted);
-    if n <= bins || whole <= 0.0 {
-        return 0.0;
+/// Postures by the size of a quantity, equally many in each bin.
+pub(super) struct Bins(pub Vec<Vec<usize>>);
+
+impl Bins {
+    pub(super) fn new(mut postures: Vec<usize>, of: impl Fn(usize) -> f64) -> Bins {
+        postures.sort_by(|&a, &b| of(a).total_cmp(&of(b)));
+        let count = (postures.len() / PER_BIN).clamp(1, BINS);
+        let cut = |bin: usize| bin * postures.len() / count;
+        let bins = (0..count).map(|bin| postures[cut(bin)..cut(bin + 1)].to_vec());
+        Bins(bins.collect())
     }
-    (1.0 - within / whole * (n - 1) as f64 / (n - bins) as f64).max(0.0)
+
+    /// Share of the scatter of residuals (x, y per posture) on some axes that the bins' means
+    /// explain, and how much of it that is.
+    pub(super) fn share(&self, residual: impl Fn(usize) -> f64, axes: Range<usize>) -> (f64, f64) {
+        let scatter = |postures: &[usize]| -> f64 {
+            let of_axis = |axis: usize| {
+                let rows = || postures.iter().map(|k| residual(2 * k + axis));
+                let mean = rows().sum::<f64>() / postures.len() as f64;
+                rows().map(|e| (e - mean).powi(2)).sum::<f64>()
+            };
+            axes.clone().map(of_axis).sum()
+        };
+        let all = self.0.concat();
+        let within: f64 = self.0.iter().map(|bin| scatter(bin)).sum();
+        let (whole, n, bins) = (scatter(&all), all.len(), self.0.len());
+        if !(whole > 0.0 && n > bins) {
+            return (0.0, 0.0);
+        }
+        let share = 1.0 - within / whole * (n - 1) as f64 / (n - bins) as f64;
+        (share.max(0.0), share.max(0.0) * whole)
+    }
 }
 
 /// Whether more is left of the soles than noise leaves.

@@ -17,7 +17,6 @@
 //! the file falls, and what the file of the best leaves is what is stated.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 use sesc_model::effects::{Catalog, Stage};
 use sesc_model::{EffectRecord, ModelFile, Quantity};
@@ -54,25 +53,22 @@ pub(super) fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
     let mut file = ModelFile::from_values(model, &values, Some(&std), source);
     file.inform(information(&rows, &prior.factor, prior.beyond));
     file.noise_floor = Some(problem.first().data.noise_floor);
-    let quantities = words::values(problem, best);
-    for (term, values) in best.terms.iter().zip(&quantities) {
+    for (term, values) in best.terms.iter().zip(words::values(problem, best)) {
         let Some(instance) = term.effect() else {
             continue;
         };
         if instance.effect.stage() == Stage::Cells {
             file.cells = problem.first().data.cells.clone();
         }
-        let of = |v: &words::NamedValue| {
-            let quantity = Quantity {
-                value: v.value,
-                std: v.std.is_finite().then_some(v.std),
-            };
-            (v.name.to_string(), quantity)
-        };
+        let parameters = values.iter().map(|(name, own)| {
+            let std = own.std.is_finite().then_some(own.std);
+            let value = own.value;
+            (name.to_string(), Quantity { value, std })
+        });
         file.effects.push(EffectRecord {
             effect: term.name().to_string(),
             target: problem.first().context.name_of(&instance.target),
-            parameters: values.iter().map(of).collect::<BTreeMap<_, _>>(),
+            parameters: parameters.collect(),
         });
     }
     file

@@ -14,12 +14,11 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use sesc_model::effects::PostureContext;
 use sesc_model::{Function, Model};
 
-use super::criteria;
-use super::criteria::{DELAY_S, OFFSET};
-use super::problem::{Fit, Problem};
+use super::criteria::{self, DELAY_S, OFFSET};
+use super::nuisance::Nuisance;
+use super::problem::{Fit, Problem, tilts};
 use crate::evaluate::Evaluator;
 use crate::fit::prior::{Prior, Tolerances};
 use crate::observations::correlation::Correlation;
@@ -64,12 +63,9 @@ pub(super) fn anyway(data: &Postures, model: &Model) -> Option<Postures> {
 fn known(data: &mut Postures, model: &Model) -> Option<Moved> {
     data.motion.as_ref()?;
     data.leave_out_unknown();
-    let mut moved = moved(data, model);
+    let moved = moved(data, model);
     let adds = moved.shift.iter().flatten().any(|by| *by != 0.0);
-    (adds && data.len() > 2).then(|| {
-        tell_slopes(&mut moved, data, model);
-        moved
-    })
+    (adds && data.len() > 2).then_some(moved)
 }
 
 /// Those of `all` postures whose motion is known, compared with the ZMP.
@@ -87,33 +83,20 @@ fn used(all: &Postures, mut known: Postures, moved: Moved) -> Postures {
 pub(super) fn again(data: &mut Postures, model: &Model) {
     if let Some(known) = data.moved.take() {
         let mut moved = moved(data, model);
-        tell_slopes(&mut moved, data, model);
         moved.std.clone_from(&known.std);
         data.tell_moved(moved);
     }
 }
 
-fn tilts(data: &Postures, model: &Model) -> Vec<[f64; 2]> {
-    let layout = PostureContext::of(model);
-    let contexts = data.posture_context.chunks_exact(layout.len());
-    contexts
-        .map(|context| [0, 1].map(|axis| context[layout.tilt(axis)]))
-        .collect()
-}
-
+/// Δ, and how it changes with positions of joints and with time.
 fn moved(data: &Postures, model: &Model) -> Moved {
     let motion = data.motion.clone().unwrap_or_default();
-    Zmp::new(model).moved(&data.q, &motion, 0..data.len(), &tilts(data, model))
-}
-
-/// How Δ changes with positions of joints and with time.
-fn tell_slopes(moved: &mut Moved, data: &Postures, model: &Model) {
-    let motion = data.motion.clone().unwrap_or_default();
-    let (rates, gains) = (&motion.rates[..], &motion.gains[..]);
     let (cad, tilts) = (model.cad_params(), tilts(data, model));
     let zmp = Zmp::new(model);
-    moved.slopes = zmp.slopes(&cad, &data.q, (rates, gains), &tilts);
+    let mut moved = zmp.moved(&data.q, &motion, 0..data.len(), &tilts);
+    moved.slopes = zmp.slopes(&cad, &data.q, (&motion.rates, &motion.gains), &tilts);
     moved.in_time = zmp.in_time(&cad, &data.q, &motion, &tilts, &moved.slopes);
+    moved
 }
 
 /// The share that readings show, with masses within their prior and joints that stand
@@ -143,8 +126,7 @@ fn share_of_readings(
         Some(Correlation::of(t, &y, &x).rows_per_sample)
     };
     let per_sample = (0..2).filter_map(per_sample).fold(1.0, f64::max);
-    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
-    let masses = prior.covariance_factor(model).or_else(usual)?;
+    let masses = mass_errors(prior, model)?;
     let (p, m, dof) = (cad.len(), masses.ncols(), model.dof());
     let by_joints = Evaluator::new(model, Function::ComJacobian).run(&data.q, data.len());
     let by_joint = |row: usize, joint: usize| by_joints[(3 * (row / 2) + row % 2) * dof + joint];
@@ -181,6 +163,13 @@ fn share_of_readings(
     column.share(&unsure, per_sample)
 }
 
+/// Factor of the covariance of mass errors: within the usual tolerances where a prior leaves
+/// masses free.
+fn mass_errors(prior: &Prior, model: &Model) -> Option<DMatrix<f64>> {
+    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
+    prior.covariance_factor(model).or_else(usual)
+}
+
 /// Whether masses within their prior leave no more than noise where readings are static, and
 /// clearly more where they are those of motion: then what motion adds is not in them, however
 /// little an explanation of the difference would cost. Asked where the noise is known.
@@ -190,15 +179,14 @@ fn explains_more_than_motion(data: &Postures, model: &Model, prior: &Prior, move
         NoiseSource::Stated,
         NoiseSource::Repeats,
     ];
-    let usual = || Prior::Cad(Tolerances::usual()).covariance_factor(model);
-    let masses = prior.covariance_factor(model).or_else(usual);
+    let masses = mass_errors(prior, model);
     let (Some(masses), true) = (masses, stated.contains(&data.noise_source)) else {
         return false;
     };
     let (n, cad) = (2 * data.len(), DVector::from_vec(model.cad_params()));
     let predicted = moved.rows.times(&cad);
     // As `Moved` corrects readings of motion; those of a robot that stands lack the shift.
-    let left = |share: f64| -> Option<(f64, f64)> {
+    let left = |share: f64| -> (f64, f64) {
         let weight = |row: usize| {
             let by_motion = share * moved.std[row / 2][row % 2];
             1.0 / data.std[row].hypot(by_motion)
@@ -209,21 +197,16 @@ fn explains_more_than_motion(data: &Postures, model: &Model, prior: &Prior, move
             (data.reading[row] - by + shift) * weight(row)
         });
         let rows = DMatrix::from_fn(n, cad.len(), |row, c| moved.rows[(row, c)] * weight(row));
-        let free = &rows * &masses;
-        let inner = free.tr_mul(&free) + DMatrix::identity(free.ncols(), free.ncols());
-        let by_masses = free.tr_mul(&y);
-        let square = y.norm_squared() - by_masses.dot(&inner.cholesky()?.solve(&by_masses));
+        let square = y.dot(&Nuisance::of(&rows * &masses).project_out_one(&y));
         let per_sample = |axis: usize| {
             let of_axis = |row: usize| 2 * row + axis;
             let own = DVector::from_fn(data.len(), |k, _| y[of_axis(k)]);
             let ones = DMatrix::from_element(data.len(), 1, 1.0);
             Some(Correlation::of(data.t.as_deref()?, &own, &ones).rows_per_sample)
         };
-        Some((square, (0..2).filter_map(per_sample).fold(1.0, f64::max)))
+        (square, (0..2).filter_map(per_sample).fold(1.0, f64::max))
     };
-    let (Some((standing, per_sample)), Some((moving, _))) = (left(0.0), left(1.0)) else {
-        return false;
-    };
+    let ((standing, per_sample), (moving, _)) = (left(0.0), left(1.0));
     let rows = n as f64;
     let noise = rows + criteria::NOISE_ALONE * (2.0 * rows * per_sample).sqrt();
     standing <= noise && (moving - standing) / per_sample > criteria::MOTION_COSTS

@@ -31,7 +31,7 @@ use crate::observations::correlation::Correlation;
 
 use crate::svd::svd;
 pub use block::{Block, InFile, OwnSides};
-pub(super) use block::{run_alone, side, soles_of};
+pub(super) use block::{run_alone, side, soles_of, tilts};
 pub(super) use fitting::Weighting;
 
 /// Logs of a robot, and the prior of its masses.
@@ -303,16 +303,6 @@ impl<'m> Problem<'m> {
         own
     }
 
-    /// The same with about every so many-th posture of each block, readings alone.
-    pub(super) fn thinned(&self, every: usize) -> Problem<'m> {
-        let blocks = self.blocks.iter().map(|block| {
-            let n = block.data.len();
-            let every = every.min(n / criteria::WIRING_POSTURES).max(1);
-            block.some(&(0..n).map(|k| k % every == 0).collect::<Vec<_>>())
-        });
-        self.about(blocks.collect())
-    }
-
     /// What unknowns and the number of things that were looked at cost:
     /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
     pub(super) fn penalty(&self, terms: &[Term]) -> f64 {
@@ -475,19 +465,6 @@ impl<'m> Problem<'m> {
     ) -> DVector<f64> {
         let column = DMatrix::from_column_slice(stacked.len(), 1, stacked.as_slice());
         self.project_out(masses, &column).column(0).into_owned()
-    }
-
-    /// −2 log p of one column but for a constant: `eᵀ S e`.
-    pub(super) fn chi2(&self, masses: &Nuisance, stacked: &DVector<f64>) -> f64 {
-        let mut chi2 = masses.chi2(stacked);
-        for (block, range) in self.blocks.iter().zip(self.readings()) {
-            if let Some(closure) = &block.closure {
-                let own = stacked.rows_range(range.end..range.start + block.height());
-                let own = own.into_owned();
-                chi2 += own.dot(&closure.without_common_of(&own)) - own.norm_squared();
-            }
-        }
-        chi2
     }
 
     /// What is known of the postures of each block, under a fit to them where one is given.

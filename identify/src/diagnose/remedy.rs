@@ -146,7 +146,7 @@ pub(super) fn add(
     servos: &BTreeMap<String, Servo>,
 ) {
     let values = words::values(problem, &found.best).into_iter();
-    let values = values.map(|found| found.iter().map(|value| value.value).collect());
+    let values = values.map(|own| own.into_iter().map(|(_, own)| own.value).collect());
     let values: Vec<Vec<f64>> = values.collect();
     let terms = &found.best.terms;
     // The order in which corrections of the reading are applied: the last that acts comes first.
@@ -247,16 +247,11 @@ pub struct CorrectedUrdf {
 }
 
 /// What of an explanation belongs to the log alone, a sentence each.
-pub(super) fn of_the_log(problem: &Problem, found: &Explained) -> Vec<String> {
-    let outliers = found
-        .best
-        .terms
-        .iter()
-        .filter(|term| **term == Term::Outliers);
-    let label = |term: &Term| term.label(&problem.first().context);
-    outliers
-        .map(|term| format!("{} is left out: it says nothing of the robot", label(term)))
-        .collect()
+pub(super) fn of_the_log(found: &Explained) -> Vec<String> {
+    let outliers = found.best.terms.contains(&Term::Outliers);
+    let outliers = outliers.then(|| Term::Outliers.name());
+    let sentence = |name| format!("{name} is left out: it says nothing of the robot");
+    outliers.map(sentence).into_iter().collect()
 }
 
 /// The URDF of `robot` with what `found` says.
@@ -288,7 +283,7 @@ pub(super) fn corrected_urdf(
         prior,
         total_mass,
     )?;
-    corrected.left_out.extend(of_the_log(problem, found));
+    corrected.left_out.extend(of_the_log(found));
     Ok(corrected)
 }
 
@@ -409,12 +404,13 @@ pub(super) fn changed(old: &str, new: &str) -> Option<UrdfChange> {
         let (x, y) = (0..rest)
             .flat_map(|sum| (0..=sum).map(move |x| (x, sum - x)))
             .find(|&(x, y)| match (a.get(i + x), b.get(j + y)) {
-                (Some(a), Some(b)) => a.text == b.text,
+                (Some((_, a)), Some((_, b))) => a == b,
                 _ => false,
             })
             .unwrap_or((a.len() - i, b.len() - j));
         if x + y > 0 && line.is_none() {
-            line = a.get(i).or(a.last()).map(|element| element.line);
+            let first = a.get(i).or(a.last());
+            line = first.map(|(at, _)| 1 + old[..*at].matches('\n').count());
         }
         before.extend(&a[i..i + x]);
         after.extend(&b[j..j + y]);
@@ -422,41 +418,27 @@ pub(super) fn changed(old: &str, new: &str) -> Option<UrdfChange> {
     }
     line.map(|line| UrdfChange {
         line,
-        before: indented(&before),
-        after: indented(&after),
+        before: indented(old, &before),
+        after: indented(new, &after),
     })
 }
 
-/// A tag with the text after it.
-struct Element<'t> {
-    line: usize,
-    /// Spaces before its line.
-    indent: usize,
-    text: &'t str,
-}
-
-/// Elements below each other, indented as they were against each other.
-fn indented(elements: &[&Element]) -> String {
-    let least = elements.iter().map(|own| own.indent).min().unwrap_or(0);
-    let line = |own: &&Element| " ".repeat(own.indent - least) + own.text;
+/// Elements of a text below each other, indented as they were against each other.
+fn indented(text: &str, elements: &[&(usize, &str)]) -> String {
+    let indent = |at: usize| {
+        let line = &text[text[..at].rfind('\n').map_or(0, |end| end + 1)..];
+        line.len() - line.trim_start_matches([' ', '\t']).len()
+    };
+    let least = elements.iter().map(|(at, _)| indent(*at)).min();
+    let line = |(at, own): &&(usize, &str)| " ".repeat(indent(*at) - least.unwrap_or(0)) + own;
     elements.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-fn elements(text: &str) -> Vec<Element<'_>> {
+/// Every tag with the text after it, and its place.
+fn elements(text: &str) -> Vec<(usize, &str)> {
     let mut starts: Vec<usize> = text.match_indices('<').map(|(at, _)| at).collect();
     starts.push(text.len());
-    let mut line = 1;
-    let mut counted = 0;
-    let mut out = Vec::with_capacity(starts.len());
-    for pair in starts.windows(2) {
-        line += text[counted..pair[0]].matches('\n').count();
-        counted = pair[0];
-        let whole = &text[text[..pair[0]].rfind('\n').map_or(0, |end| end + 1)..];
-        out.push(Element {
-            line,
-            indent: whole.len() - whole.trim_start_matches([' ', '\t']).len(),
-            text: text[pair[0]..pair[1]].trim(),
-        });
-    }
-    out
+    let elements = starts.windows(2);
+    let elements = elements.map(|pair| (pair[0], text[pair[0]..pair[1]].trim()));
+    elements.collect()
 }

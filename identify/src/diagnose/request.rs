@@ -291,7 +291,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         model_file,
         corrected_urdf: corrected,
         frees_masses: found.best.frees_masses(),
-        of_the_log: remedy::of_the_log(&problem, &found),
+        of_the_log: remedy::of_the_log(&found),
         view: request.view.then(|| {
             let skeleton = Skeleton::of(&model, &robot.description, meshes);
             DiagnosisView::of(&problem, &found, skeleton)

@@ -19,6 +19,7 @@ use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem, Proposal};
 use super::wiring;
 use crate::Error;
+use crate::health::wirings;
 use crate::threads::{each_long, processors};
 use crate::watch::{Watch, tell};
 
@@ -95,7 +96,8 @@ impl<'m> Search<'m> {
     /// When `watch` stops the search.
     pub(super) fn run(&mut self, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
         let null = self.fit(&[], None);
-        let faults = wiring::faults(&self.problem);
+        let faults = wirings::faults(&self.problem.first().context).into_iter();
+        let faults: Vec<Term> = faults.map(Term::Effect).collect();
         let mut beam = vec![null];
         for depth in 1..=criteria::TOO_MANY_EFFECTS {
             let mut proposals = Vec::new();

@@ -47,7 +47,7 @@ fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
     let mut rest_of_title = None;
     let mut missing = |how: &str, rest: &str| {
         parts.push(format!("Missing: {how}{}; {rest}", clauses.join(", and ")));
-        let sizes = values.iter().map(|own| words::sizes(own));
+        let sizes = values.iter().map(words::sizes);
         let sizes = sizes.filter(|own| !own.is_empty()).collect::<Vec<_>>();
         let sizes = (!sizes.is_empty()).then(|| capital(&sizes.join("; ")) + ".");
         rest_of_title = Some(sizes.into_iter().chain([capital(rest)]).collect::<Vec<_>>());

@@ -4,30 +4,22 @@ use nalgebra::DMatrix;
 use sesc_model::effects::{EffectContext, Unit, Value};
 use sesc_model::text::minus;
 
+use super::findings::Quantity;
 use super::hypothesis::{Term, with_places};
 use super::problem::{Fit, Problem};
 
-/// A value of an effect with its standard deviation.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NamedValue<'n> {
-    /// Name of the parameter, which ends in its unit.
-    pub name: &'n str,
-    /// The estimate.
-    pub value: f64,
-    /// Its standard deviation.
-    pub std: f64,
-}
+/// Parameters of an effect by name, which ends in the unit.
+pub(super) type Sizes = Vec<(&'static str, Quantity)>;
 
 /// What each effect of a fit amounts to: deviations by the slopes of the values.
-pub(super) fn values(problem: &Problem, fit: &Fit) -> Vec<Vec<NamedValue<'static>>> {
+pub(super) fn values(problem: &Problem, fit: &Fit) -> Vec<Sizes> {
     let context = &problem.first().context;
-    with_places(&fit.terms, context)
-        .map(|(term, own)| {
-            let (at, count) = (own.start, own.len());
-            let covariance = fit.covariance.view((at, at), (count, count)).into_owned();
-            with_deviations(context, term, &fit.unknowns[own], &covariance)
-        })
-        .collect()
+    let values = with_places(&fit.terms, context).map(|(term, own)| {
+        let (at, count) = (own.start, own.len());
+        let covariance = fit.covariance.view((at, at), (count, count)).into_owned();
+        with_deviations(context, term, &fit.unknowns[own], &covariance)
+    });
+    values.collect()
 }
 
 fn with_deviations(
@@ -35,7 +27,7 @@ fn with_deviations(
     term: &Term,
     unknowns: &[f64],
     covariance: &DMatrix<f64>,
-) -> Vec<NamedValue<'static>> {
+) -> Sizes {
     let of = |x: &[f64]| term.values(context, x);
     let scales = term.scales(context);
     let now = of(unknowns);
@@ -53,20 +45,19 @@ fn with_deviations(
         }
     }
     let spread = &slopes * covariance * slopes.transpose();
-    now.into_iter()
-        .enumerate()
-        .map(|(k, Value { name, value })| NamedValue {
-            name,
-            value,
-            std: spread[(k, k)].max(0.0).sqrt(),
-        })
-        .collect()
+    let values = now.into_iter().enumerate();
+    let values = values.map(|(k, Value { name, value })| {
+        let std = spread[(k, k)].max(0.0).sqrt();
+        (name, Quantity { value, std })
+    });
+    values.collect()
 }
 
-/// `0.93° ± 0.04°`, `31 g ± 2 g`: by the unit at the end of its name.
-pub fn spoken(found: &NamedValue) -> String {
-    let (factor, unit) = Unit::of(found.name).shown();
-    let (value, std) = (factor * found.value, factor * found.std);
+/// `0.93° ± 0.04°`, `31 g ± 2 g`: a value with its standard deviation, by the unit at the end of
+/// its name.
+pub fn spoken(name: &str, value: f64, std: f64) -> String {
+    let (factor, unit) = Unit::of(name).shown();
+    let (value, std) = (factor * value, factor * std);
     let digits = match std {
         s if s.is_finite() && s > 0.0 => (1.0 - s.log10().floor()).clamp(0.0, 6.0) as usize,
         _ => 3,
@@ -77,12 +68,12 @@ pub fn spoken(found: &NamedValue) -> String {
 }
 
 /// `width 0.93° ± 0.04°`: what it is called, without the unit, and its value.
-pub fn named(found: &NamedValue) -> String {
-    format!("{} {}", Unit::stem(found.name), spoken(found))
+pub fn named(name: &str, value: f64, std: f64) -> String {
+    format!("{} {}", Unit::stem(name), spoken(name, value, std))
 }
 
 /// `subject`, with its values: `backlash in every joint: width 0.93° ± 0.04°`.
-pub(super) fn clause(context: &EffectContext, term: &Term, values: &[NamedValue]) -> String {
+pub(super) fn clause(context: &EffectContext, term: &Term, values: &Sizes) -> String {
     let subject = term.phrase(context);
     if values.is_empty() {
         return subject;
@@ -91,9 +82,11 @@ pub(super) fn clause(context: &EffectContext, term: &Term, values: &[NamedValue]
 }
 
 /// Values after each other: `mass 155 g ± 6 g, x 22.6 mm ± 2.3 mm`.
-pub(super) fn sizes(values: &[NamedValue]) -> String {
-    let said: Vec<String> = values.iter().map(named).collect();
-    said.join(", ")
+pub(super) fn sizes(values: &Sizes) -> String {
+    let said = values
+        .iter()
+        .map(|(name, own)| named(name, own.value, own.std));
+    said.collect::<Vec<_>>().join(", ")
 }
 
 /// The text with a capital at its beginning.

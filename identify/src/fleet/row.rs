@@ -12,13 +12,13 @@ use std::io;
 use std::path::Path;
 
 use nalgebra::DMatrix;
-use serde::de::Error as _;
+use serde::de::{Error as _, IntoDeserializer as _};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 use sesc_model::effects::Fitted;
 
 use crate::Error;
-use crate::diagnose::words::{NamedValue, named};
+use crate::diagnose::words::named;
 use crate::diagnose::{Quantity, Report, Score, Step, Verdict};
 use crate::files::{self, NewFile};
 use crate::fit::Identification;
@@ -38,8 +38,7 @@ pub struct Size {
 impl Size {
     /// The number and its deviation beside the name of the parameter.
     pub(super) fn named(self, name: &str) -> String {
-        let Size { value, std } = self;
-        named(&NamedValue { name, value, std })
+        named(name, self.value, self.std)
     }
 }
 
@@ -372,7 +371,8 @@ fn verdict_of_name<'de, D: Deserializer<'de>>(
         return Ok(None);
     }
     let unknown = || D::Error::custom(format!("`{name}` is no verdict"));
-    Verdict::from_name(&name).map(Some).ok_or_else(unknown)
+    let verdict = Verdict::deserialize(name.as_str().into_deserializer());
+    verdict.map(Some).map_err(|_: D::Error| unknown())
 }
 
 /// The columns, in their order.

@@ -11,7 +11,7 @@ pub use text::text;
 
 use serde::Serialize;
 use sesc_identify::diagnose::remedy::Remedy;
-use sesc_identify::diagnose::words::{NamedValue, named};
+use sesc_identify::diagnose::words::named;
 use sesc_identify::diagnose::{Diagnosis, Step, Verdict};
 
 use super::next_steps::Worded;
@@ -47,12 +47,9 @@ pub struct ModelUse {
 
 /// `width 0.93° ± 0.04°`, one entry per parameter.
 fn parameters(step: &Step) -> Vec<String> {
-    let found = step.parameters.iter().map(|(name, quantity)| NamedValue {
-        name,
-        value: quantity.value,
-        std: quantity.std,
-    });
-    found.map(|found| named(&found)).collect()
+    let found = step.parameters.iter();
+    let found = found.map(|(name, own)| named(name, own.value, own.std));
+    found.collect()
 }
 
 /// `backlash l_knee`, in words that stay apart.

@@ -113,11 +113,7 @@ impl<'m> Block<'m> {
         let mut context = EffectContext::new(model, &data.cells, times, effects.clone());
         context.moving = data.moved.is_some();
         let n = data.len();
-        let layout = PostureContext::of(model);
-        let entry = |k: usize, entry: usize| data.posture_context[k * layout.len() + entry];
-        let tilt = |k: usize| [0, 1].map(|axis| entry(k, layout.tilt(axis)));
-        let tilts: Vec<[f64; 2]> = (0..n).map(tilt).collect();
-        let mut rows = CopRows::new(model).of(&data.q, n, Some(&tilts));
+        let mut rows = CopRows::new(model).of(&data.q, n, Some(&tilts(&data, model)));
         let motion_rows = data.moved.as_ref().map(|moved| {
             let standing = std::mem::replace(&mut rows, moved.rows.dense());
             Arc::new(&rows - standing)
@@ -158,22 +154,6 @@ impl<'m> Block<'m> {
             shift: elsewhere.then(|| Arc::new(self.model.params_from(first.context.robot))),
             experiment: Some(experiment),
             ..self
-        }
-    }
-
-    /// The readings of the postures that are true in `keep`, without the soles.
-    pub(super) fn some(&self, keep: &[bool]) -> Block<'m> {
-        let mut data = self.data.clone();
-        data.keep(keep);
-        let is_kept = |row: &usize| keep[row / 2];
-        let rows: Vec<usize> = (0..self.rows.nrows()).filter(is_kept).collect();
-        Block {
-            data,
-            rows: Arc::new(self.rows.select_rows(&rows)),
-            offset: self.offset.as_ref().map(|own| own.select_rows(&rows)),
-            motion_rows: None,
-            closure: None,
-            ..self.clone()
         }
     }
 
@@ -597,6 +577,14 @@ pub(crate) fn soles_of(
     }
     tell_contacts(data, model, &other);
     Ok(Some(Closure::of(model, other, &data.q, data.t.as_deref())))
+}
+
+/// Tilt of the ground in every posture.
+pub(in crate::diagnose) fn tilts(data: &Postures, model: &Model) -> Vec<[f64; 2]> {
+    let layout = PostureContext::of(model);
+    let contexts = data.posture_context.chunks_exact(layout.len());
+    let tilts = contexts.map(|context| [0, 1].map(|axis| context[layout.tilt(axis)]));
+    tilts.collect()
 }
 
 /// The side of its dead band where a moment puts a joint.

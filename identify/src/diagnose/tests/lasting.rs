@@ -5,11 +5,10 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::Experiment;
 
-use super::{Bench, NOISE, about, gauss, term, together};
+use super::{Bench, NOISE, about, gauss, term, together, values};
 use crate::diagnose::Verdict;
 use crate::diagnose::problem::ALL;
 use crate::diagnose::samples::{explained, of_logs};
-use crate::diagnose::words;
 use crate::observations::correlation::{Correlation, Cut, Process};
 use crate::observations::postures::Postures;
 
@@ -86,7 +85,7 @@ fn deviations_of_two_logs_are_those_of_noise_that_lasts() {
         let second = of(cut..ROWS, 2 * seed + 1);
         let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&first, name, "-"));
         let both = together(&first, &second, Experiment::Postures).fit(&terms, None, ALL);
-        let found = words::values(&first, &both).concat();
+        let found = values(&first, &both);
         for (k, (found, truth)) in found.iter().zip([1.0, 1.0, 0.0, 0.0]).enumerate() {
             squares[k] += ((found.value - truth) / found.std).powi(2) / LOGS as f64;
         }
@@ -144,7 +143,7 @@ fn deviations_are_those_of_noise_that_lasts() {
         let mut problem = bench.certain(log(&bench, 0..ROWS, seed));
         let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&problem, name, "-"));
         problem.correlate_noise(0, [1.0; 2], &[correlation; 2]);
-        let found = words::values(&problem, &problem.fit(&terms, None, ALL)).concat();
+        let found = values(&problem, &problem.fit(&terms, None, ALL));
         for (k, (found, truth)) in found.iter().zip([1.0, 1.0, 0.0, 0.0]).enumerate() {
             squares[k] += ((found.value - truth) / found.std).powi(2) / LOGS as f64;
         }
@@ -154,7 +153,7 @@ fn deviations_are_those_of_noise_that_lasts() {
         };
         problem.correlate_noise(0, [1.0; 2], &[white; 2]);
         // Readings are widened twice now: the deviation is √(rows per sample) times as large.
-        let again = words::values(&problem, &problem.fit(&terms, None, ALL)).concat();
+        let again = values(&problem, &problem.fit(&terms, None, ALL));
         let std = again[0].std / rows_per_sample.sqrt();
         as_white += ((again[0].value - 1.0) / std).powi(2) / LOGS as f64;
     }
@@ -194,7 +193,7 @@ fn intervals_hold_where_how_long_noise_lasts_is_estimated() {
             problem.correlate_noise(0, [1.0; 2], &axes);
             fit = problem.fit(&terms, None, ALL);
         }
-        let found = words::values(&problem, &fit).concat();
+        let found = values(&problem, &fit);
         for found in &found[..2] {
             all += 1;
             hold += usize::from((found.value - 1.0).abs() < 1.96 * found.std);

@@ -28,7 +28,7 @@ use super::diagnosis::find;
 use super::findings::{About, Explained};
 use super::hypothesis::Term;
 use super::problem::{Block, Fit, Problem};
-use super::{Request, words};
+use super::{Quantity, Request, words};
 use crate::fit::prior::{Prior, Tolerance, Tolerances};
 use crate::logs::{LogSource, Table};
 use crate::observations::postures::Postures;
@@ -226,7 +226,8 @@ fn term(problem: &Problem, effect: &str, target: &str) -> Term {
     Term::Effect(Instance { effect, target })
 }
 
-/// Values of the only effect of a fit with their stated deviations.
-fn values(problem: &Problem, fit: &Fit) -> Vec<words::NamedValue<'static>> {
-    words::values(problem, fit).remove(0)
+/// Values of all effects of a fit with their stated deviations.
+fn values(problem: &Problem, fit: &Fit) -> Vec<Quantity> {
+    let own = words::values(problem, fit).concat();
+    own.into_iter().map(|(_, value)| value).collect()
 }

@@ -188,7 +188,7 @@ fn its_bounds_load_dead_band_and_experiments_are_those_it_states() {
     assert_eq!(effect.load_share(&[0.25]), 0.5);
     // Experiments scale it, or leave it out.
     let context = &problem.first().context;
-    let within = |experiment| carried(Some(experiment), context, context, &eccentric);
+    let within = |experiment| carried(Some(experiment), (context, context), (&eccentric, &[0.1]));
     assert_eq!(within(Experiment::Turned).columns, [(0, -1.0)]);
     assert!(within(Experiment::Untouched).terms.is_empty());
     // Only the loose one has sides to choose.

@@ -20,7 +20,7 @@ fn residual(seed: u64, every: usize, far: f64) -> DVector<f64> {
 fn slips_are_found_one_by_one() {
     let mut extra = 0;
     for seed in 0..20 {
-        let found = Outliers::of(&residual(seed, 10, 12.0), None);
+        let found = Outliers::of(residual(seed, 10, 12.0).as_slice(), None);
         let planted: Vec<usize> = (0..10).map(|k| 10 * k + 3).collect();
         let named = found.named();
         assert!(planted.iter().all(|k| named.contains(k)), "seed {seed}");
@@ -37,7 +37,7 @@ fn slips_are_found_one_by_one() {
 fn clean_data_have_none() {
     for seed in 0..40 {
         let residual = residual(seed, 0, 0.0);
-        let found = Outliers::of(&residual, None);
+        let found = Outliers::of(residual.as_slice(), None);
         // A posture beyond 3.4 deviations is one in three hundred.
         let odd = |k: &usize| residual[2 * k].hypot(residual[2 * k + 1]) > 3.4;
         assert!(found.named().iter().all(odd), "seed {seed}");
@@ -49,7 +49,7 @@ fn clean_data_have_none() {
 #[test]
 fn the_objective_is_that_of_the_mixture() {
     let residual = residual(5, 10, 8.0);
-    let found = Outliers::of(&residual, None);
+    let found = Outliers::of(residual.as_slice(), None);
     let (share, width) = (found.share, found.width);
     let weighted: f64 = residual
         .iter()
@@ -64,7 +64,7 @@ fn the_objective_is_that_of_the_mixture() {
     let expected: f64 = pairs
         .map(|e| -2.0 * density(e[0] * e[0] + e[1] * e[1]).ln())
         .sum();
-    let ours = found.objective(&residual, None, weighted);
+    let ours = found.objective(residual.as_slice(), None, weighted);
     assert!((ours - expected).abs() < 1e-9 * expected);
     // Share and width are where it is least.
     for (share, width) in [
@@ -81,7 +81,7 @@ fn the_objective_is_that_of_the_mixture() {
         let root = beside.root_weights(None);
         let weighted = residual.iter().zip(root).map(|(e, w)| (e * w).powi(2));
         let weighted = weighted.sum();
-        assert!(beside.objective(&residual, None, weighted) > ours);
+        assert!(beside.objective(residual.as_slice(), None, weighted) > ours);
     }
 }
 
@@ -90,14 +90,14 @@ fn the_objective_is_that_of_the_mixture() {
 fn only_what_is_kept_counts() {
     let mut residual = residual(1, 10, 12.0);
     let keep: Vec<bool> = (0..100).map(|k| k % 10 != 3).collect();
-    let calm = Outliers::of(&residual, Some(&keep));
+    let calm = Outliers::of(residual.as_slice(), Some(&keep));
     assert!(calm.share < 0.05);
     residual
         .iter_mut()
         .skip(2 * 13)
         .take(2)
         .for_each(|e| *e = 1e6);
-    let same = Outliers::of(&residual, Some(&keep));
+    let same = Outliers::of(residual.as_slice(), Some(&keep));
     assert_eq!((calm.share, calm.width), (same.share, same.width));
     let root = same.root_weights(Some(&keep));
     assert!((0..200).all(|row| (root[row] == 0.0) != keep[row / 2]));

@@ -9,9 +9,9 @@
 //! `rest` is what the whole explanation leaves, so the gap is what all of it but this effect
 //! leaves. Where the effect is right, gap = change but for noise: a line of slope 1.
 
-use super::super::criteria::{BINS, PER_BIN};
 use super::super::findings::{ActsOn, Explained};
 use super::super::hypothesis::{Term, with_places};
+use super::super::leftover::Bins;
 use super::super::problem::{Fit, Problem};
 use super::{Residuals, of_panel};
 
@@ -63,21 +63,18 @@ pub(super) fn predicted(
 /// Change of every reading by the effect at this place of the explanation, m; none of what
 /// changes no reading.
 fn change(problem: &Problem, best: &Fit, at: usize) -> Option<Vec<f64>> {
+    let first = problem.first();
     match &best.terms[at] {
         Term::Effect(_) => {}
         Term::Masses => {
             let shift = problem.mass_shift(best);
-            let metres = shift
-                .iter()
-                .zip(&problem.first().weight)
-                .map(|(s, w)| s / w);
+            let metres = shift.iter().zip(&first.weight).map(|(s, w)| s / w);
             return Some(metres.collect());
         }
         Term::Outliers => return None,
     }
-    let context = &problem.first().context;
     let (mut terms, mut unknowns) = (Vec::new(), Vec::new());
-    for (k, (term, own)) in with_places(&best.terms, context).enumerate() {
+    for (k, (term, own)) in with_places(&best.terms, &first.context).enumerate() {
         if k != at {
             terms.push(term.clone());
             unknowns.extend_from_slice(&best.unknowns[own]);
@@ -85,33 +82,27 @@ fn change(problem: &Problem, best: &Fit, at: usize) -> Option<Vec<f64>> {
     }
     let posture_context = problem.posture_contexts(Some(best)).swap_remove(0);
     // Values come with their derivatives by the unknowns.
-    let readings = |terms: &[Term], unknowns: &[f64]| -> Vec<f64> {
-        let out =
-            problem
-                .first()
-                .evaluate(terms, unknowns, &problem.first().data.q, &posture_context);
-        out.into_iter().step_by(1 + unknowns.len()).collect()
+    let readings = |terms: &[Term], unknowns: &[f64]| {
+        let out = first.evaluate(terms, unknowns, &first.data.q, &posture_context);
+        out.into_iter().step_by(1 + unknowns.len())
     };
-    let (with, without) = (
-        readings(&best.terms, &best.unknowns),
-        readings(&terms, &unknowns),
-    );
-    Some(with.iter().zip(&without).map(|(a, b)| a - b).collect())
+    let without = readings(&terms, &unknowns);
+    let with = readings(&best.terms, &best.unknowns).zip(without);
+    Some(with.map(|(with, without)| with - without).collect())
 }
 
 fn panel(subject: String, axis: usize, change: &[f64], residuals: &Residuals) -> Predicted {
     let n = residuals.outlier.len();
-    let gap = |k: usize| residuals.after[2 * k + axis] + change[2 * k + axis];
-    let kept = (0..n).filter(|&k| !residuals.outlier[k]);
+    let change = |k: usize| change[2 * k + axis];
+    let gap = |k: usize| residuals.after[2 * k + axis] + change(k);
     let (mut along, mut square) = (0.0, 0.0);
-    for k in kept {
-        let by = change[2 * k + axis];
-        along += by * gap(k);
-        square += by * by;
+    for k in (0..n).filter(|&k| !residuals.outlier[k]) {
+        along += change(k) * gap(k);
+        square += change(k) * change(k);
     }
     let points = of_panel(n).map(|(posture, k)| PredictedPoint {
         posture,
-        change: change[2 * k + axis],
+        change: change(k),
         gap: gap(k),
         outlier: residuals.outlier[k],
     });
@@ -194,35 +185,28 @@ pub(super) fn strongest(
 ) -> Vec<Trend> {
     let of_rest = found.diagnosis.unexplained;
     let named = |joint: &str| {
-        found
-            .diagnosis
-            .steps
-            .iter()
-            .position(|step| match &step.acts_on {
-                ActsOn::Joints(joints) => joints.iter().any(|own| own == joint),
-                _ => false,
-            })
+        let mut steps = found.diagnosis.steps.iter();
+        steps.position(|step| match &step.acts_on {
+            ActsOn::Joints(joints) => joints.iter().any(|own| own == joint),
+            _ => false,
+        })
     };
-    let data = &problem.first().data;
-    let dofs = &problem.first().context.robot.tree.dofs;
-    let (n, dof) = (data.len(), dofs.len());
-    let weight = problem.first().context.weight();
-    let moments = match quantity {
-        Quantity::Moment => problem.first().moments_at(&data.q),
-        Quantity::Position => Vec::new(),
+    let (data, context) = (&problem.first().data, &problem.first().context);
+    let (n, dofs) = (data.len(), &context.robot.tree.dofs);
+    // By joint, posture by posture, `width` apart.
+    let (all, width) = match quantity {
+        Quantity::Position => (data.q.clone(), dofs.len()),
+        Quantity::Moment => (problem.first().moments_at(&data.q), 3 * dofs.len()),
     };
     let mut ranked = Vec::new();
     for (j, joint) in dofs.iter().enumerate() {
         let (factor, unit) = match (quantity, joint.prismatic) {
             (Quantity::Position, false) => (180.0 / std::f64::consts::PI, "°"),
             (Quantity::Position, true) => (1e3, "mm"),
-            (Quantity::Moment, false) => (weight, "Nm"),
-            (Quantity::Moment, true) => (weight, "N"),
+            (Quantity::Moment, false) => (context.weight(), "Nm"),
+            (Quantity::Moment, true) => (context.weight(), "N"),
         };
-        let mut values: Vec<f64> = match quantity {
-            Quantity::Position => (0..n).map(|k| factor * data.q[k * dof + j]).collect(),
-            Quantity::Moment => (0..n).map(|k| factor * moments[k * 3 * dof + j]).collect(),
-        };
+        let mut values: Vec<f64> = (0..n).map(|k| factor * all[k * width + j]).collect();
         let unit = match values.iter().fold(0.0, |most: f64, x| most.max(x.abs())) {
             most if quantity == Quantity::Moment && most < SMALL => {
                 values.iter_mut().for_each(|x| *x *= 1e3);
@@ -230,9 +214,10 @@ pub(super) fn strongest(
             }
             _ => unit,
         };
-        let bins = Bins::of(&values, &residuals.outlier);
-        let followed =
-            [0, 1].map(|axis| [&residuals.before, &residuals.after].map(|e| bins.follows(e, axis)));
+        let kept = (0..n).filter(|&k| !residuals.outlier[k]).collect();
+        let bins = Bins::new(kept, |k| values[k]);
+        let both = [&residuals.before, &residuals.after];
+        let followed = [0, 1].map(|axis| both.map(|e| bins.share(|row| e[row], axis..axis + 1)));
         let worth = followed.map(|own| own[usize::from(of_rest)].1);
         let axis = usize::from(worth[1] > worth[0]);
         let point = |(posture, k): (usize, usize)| Point {
@@ -250,7 +235,7 @@ pub(super) fn strongest(
             axis,
             share: followed[axis].map(|(share, _)| share),
             points: of_panel(n).map(point).collect(),
-            means: bins.means(&values, residuals, axis),
+            means: means(&bins, &values, residuals, axis),
         };
         ranked.push((step.unwrap_or(usize::MAX), worth[axis], trend));
     }
@@ -259,56 +244,16 @@ pub(super) fn strongest(
     ranked.into_iter().map(|(.., trend)| trend).collect()
 }
 
-/// Postures by the size of a quantity, equally many in each; outliers in none.
-struct Bins(Vec<Vec<usize>>);
-
-impl Bins {
-    fn of(values: &[f64], outlier: &[bool]) -> Bins {
-        let mut order: Vec<usize> = (0..values.len()).filter(|&k| !outlier[k]).collect();
-        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-        let count = (order.len() / PER_BIN).clamp(1, BINS);
-        let cut = |b: usize| b * order.len() / count;
-        Bins(
-            (0..count)
-                .map(|b| order[cut(b)..cut(b + 1)].to_vec())
-                .collect(),
-        )
-    }
-
-    /// Part of the scatter on an axis that the bins explain, and its size, m².
-    fn follows(&self, errors: &[f64], axis: usize) -> (f64, f64) {
-        let of = |k: &usize| errors[2 * k + axis];
-        let all: Vec<f64> = self.0.iter().flatten().map(of).collect();
-        let scatter = |values: &[f64]| {
-            let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-            values.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
-        };
-        let whole = scatter(&all);
-        let within: f64 = self
-            .0
-            .iter()
-            .map(|bin| scatter(&bin.iter().map(of).collect::<Vec<f64>>()))
-            .sum();
-        let (n, bins) = (all.len() as f64, self.0.len() as f64);
-        if !(whole > 0.0 && n > bins) {
-            return (0.0, 0.0);
+fn means(bins: &Bins, values: &[f64], residuals: &Residuals, axis: usize) -> Vec<Middle> {
+    let bins = bins.0.iter().filter(|bin| !bin.is_empty());
+    let middle = |bin: &Vec<usize>| {
+        let mean =
+            |of: &dyn Fn(usize) -> f64| bin.iter().map(|&k| of(k)).sum::<f64>() / bin.len() as f64;
+        Middle {
+            at: mean(&|k| values[k]),
+            before: mean(&|k| residuals.before[2 * k + axis]),
+            after: mean(&|k| residuals.after[2 * k + axis]),
         }
-        let share = (1.0 - within / whole * (n - 1.0) / (n - bins)).max(0.0);
-        (share, share * whole)
-    }
-
-    fn means(&self, values: &[f64], residuals: &Residuals, axis: usize) -> Vec<Middle> {
-        let bins = self.0.iter().filter(|bin| !bin.is_empty());
-        bins.map(|bin| {
-            let mean = |of: &dyn Fn(usize) -> f64| {
-                bin.iter().map(|&k| of(k)).sum::<f64>() / bin.len() as f64
-            };
-            Middle {
-                at: mean(&|k| values[k]),
-                before: mean(&|k| residuals.before[2 * k + axis]),
-                after: mean(&|k| residuals.after[2 * k + axis]),
-            }
-        })
-        .collect()
-    }
+    };
+    bins.map(middle).collect()
 }

@@ -56,7 +56,7 @@ use sesc_model::text::listed;
 use super::history::{History, Key, found, label, pooled, principal, scored};
 use super::{ALIKE, CLEARLY, DIFFER, FALSE_ALARM, OWN};
 use crate::diagnose::subject;
-use crate::diagnose::words::{NamedValue, spoken};
+use crate::diagnose::words::spoken;
 use crate::diagnose::{CLASS_SCORE, TOLD_APART};
 use crate::fleet::row::{Absent, Row, Size};
 use crate::observations::postures::range;
@@ -415,11 +415,7 @@ impl Candidate<'_> {
 /// How far robots are from what they share, with its 95 % interval.
 fn own_in_words(parameter: &str, own_std: f64, [low, high]: [f64; 2]) -> String {
     let say = |value: f64| {
-        let said = spoken(&NamedValue {
-            name: parameter,
-            value,
-            std: 0.0,
-        });
+        let said = spoken(parameter, value, 0.0);
         said.split(" ±").next().unwrap_or(&said).to_string()
     };
     match own_std > 0.0 {
