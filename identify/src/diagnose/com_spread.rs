@@ -45,8 +45,8 @@ pub(super) fn sentence(found: &Explained) -> Option<String> {
 fn coms(problem: &Problem, fit: &Fit) -> Option<Vec<f64>> {
     let model = problem.first().model.clone();
     let model = model.with_file(model_file(problem, fit)).ok()?;
-    let n = problem.first().data.len();
-    Some(Evaluator::new(&model, Function::Com).run(&problem.first().data.q, n))
+    let n = problem.data().len();
+    Some(Evaluator::new(&model, Function::Com).run(&problem.data().q, n))
 }
 
 /// RMS distance of points, x, y, z after each other.

@@ -99,9 +99,7 @@ pub(super) const TRIED: usize = 8;
 /// Beyond the first depth a candidate is fitted if its predicted score is within this of the
 /// best, plus this part of the best score. Chosen: it costs time; half of it drops candidates
 /// whose prediction is a little off.
-pub(super) const HOPELESS: f64 = 12.0;
-/// Chosen: it costs time, as before, where gaps are large.
-pub(super) const HOPELESS_PART: f64 = 0.02;
+pub(super) const HOPELESS: (f64, f64) = (12.0, 0.02);
 /// Best explanations that are examined again, and how often. Chosen: it costs time.
 pub(super) const EXAMINED: usize = 3;
 /// Columns that others copy to this part of their square are the others. Chosen: an angle of
@@ -163,10 +161,6 @@ pub(super) const MOTION_COSTS: f64 = 16.0;
 /// Parts that a log is dealt into. Chosen: with half as many a fit knows 10 % of the log less;
 /// twice as many take twice the time.
 pub(super) const FOLDS: usize = 20;
-/// Stretches that are held out are this many times as long as noise lasts. Chosen: noise in the
-/// middle of such a stretch goes with the rest by e⁻² = 0.14 (closed form), with half of it by
-/// 0.37.
-pub(super) const HELD_OUT_TIMES: f64 = 4.0;
 
 // Experiments.
 

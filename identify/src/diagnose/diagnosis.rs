@@ -6,23 +6,21 @@ use std::sync::Arc;
 
 use sesc_model::effects::Unit;
 
-use super::com_spread;
-use super::criteria;
 use super::findings::{
     About, ActsOn, Blind, Diagnosis, Explained, HeldOut, Last, Leftover, Member, ModelOnLog,
-    NextPostures, Score, Step, Suspect, Verdict,
+    NextPostures, Quantity, Score, Step, Verdict,
 };
-use super::held_out;
 use super::hypothesis::Term;
 use super::leftover::{Misfit, closure_found, is_open, suspects};
 use super::model_file::settle;
-use super::noise;
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem};
 use super::remedy::Remedy;
 use super::search::Search;
 use super::words::{self, capital};
+use super::{com_spread, criteria, held_out, noise};
 use crate::Error;
+use crate::observations::criteria::noise::ROWS;
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::rms;
 use crate::observations::revisits::Again;
@@ -44,7 +42,7 @@ pub(super) fn find<'m>(
     let too_few = whole_problem.first().too_few();
     // Nothing at all is left to tell the noise from.
     let hopeless =
-        too_few.is_some_and(|[rows, directions]| rows < directions + noise::LEFT_AT_LEAST);
+        too_few.is_some_and(|[rows, directions]| (rows as f64) < directions as f64 + ROWS);
     let none = search.fit(&[], None);
     // Whatever explains broken data explains nothing.
     let (mut ranked, implausible) = match about.usable && !hopeless {
@@ -52,7 +50,7 @@ pub(super) fn find<'m>(
             let mut ranked = search.run(watch)?;
             // More postures are outliers than outliers can explain.
             let outliers = |fit: &Fit| fit.outliers.as_ref().map_or(0, |o| o.named().len());
-            let most = criteria::OUTLIER_SHARE * whole_problem.first().data.len() as f64;
+            let most = criteria::OUTLIER_SHARE * whole_problem.data().len() as f64;
             ranked.retain(|fit| outliers(fit) as f64 <= most);
             judged(&mut search, ranked, &none)
         }
@@ -69,7 +67,7 @@ pub(super) fn find<'m>(
     let problem = &*whole;
     let misfit = misfit(problem, &best);
     // Noise that was taken from what free masses leave says it where far more is left.
-    let known = problem.first().data.noise_source != NoiseSource::Residuals
+    let known = problem.data().noise_source != NoiseSource::Residuals
         || misfit.chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * misfit.expected;
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
     let soles = about.usable && is_open(problem, &best);
@@ -81,34 +79,26 @@ pub(super) fn find<'m>(
     }
     let baseline = held_out::of_cad(problem);
     let steps = held_out::order(&best, &mut |terms| search.fit(terms, None));
+    let (told, steps): (Vec<usize>, Vec<Fit>) = steps.into_iter().unzip();
     let null = search.fit(&[], None);
-    let last_step = steps.last().map_or(&null, |(_, last)| last);
     let held_out = |step: &Fit| {
-        let apart = held_out::apart_on_the_way(problem, step, last_step);
+        let apart = held_out::apart_on_the_way(problem, step, steps.last().unwrap_or(&null));
         let (own, step) = settle(problem, step);
         held_out::cross_validate(&own, &step, &apart)
     };
-    let held: Vec<HeldOut> = [&null]
-        .into_iter()
-        .chain(steps.iter().map(|(_, step)| step))
-        .map(held_out)
-        .collect();
+    let held: Vec<HeldOut> = [&null].into_iter().chain(&steps).map(held_out).collect();
     let mut evidence = |place: usize| {
-        let mut others = best.terms.clone();
-        others.remove(place);
-        let without = search.fit(&others, Some(&best));
+        let without = search.fit(&best.terms_without(place), Some(&best));
         settle(problem, &without).1.objective + without.penalty - best.score()
     };
-    let told: Vec<usize> = steps.iter().map(|(place, _)| *place).collect();
     let evidence: Vec<f64> = told.iter().map(|place| evidence(*place)).collect();
     let counted = search.fitted;
     let (no_effect, alone) = match about.usable && !hopeless && about.scores > 0 {
         true => search.alone(about.scores),
         false => (null.clone(), Vec::new()),
     };
-    let scores = alone
-        .iter()
-        .filter_map(|fit| score(problem, fit, &no_effect));
+    let scores = alone.iter();
+    let scores = scores.filter_map(|fit| score(problem, fit, &no_effect));
     let scores = scores.collect();
     let expected = Misfit::of(problem, &null);
     let first = problem.first();
@@ -153,22 +143,26 @@ pub(super) fn find<'m>(
     let steps = steps_told(problem, &best, &told, &held, &evidence);
     let end = held.last().unwrap_or(&baseline);
     let outliers = best.outliers.iter().flat_map(Outliers::named);
-    let outliers = outliers.map(|k| problem.first().data.pose[k]);
+    let outliers = outliers.map(|k| problem.data().pose[k]);
     let shift = problem.mass_shift(&best);
     let shift = shift.iter().zip(&problem.first().weight);
     let absorbed = rms(shift.map(|(s, w)| s / w));
-    let (leftover, suspects) = rest(problem, &best, unexplained);
+    let left = Misfit::of(problem, &best);
+    let suspects = match unexplained && left.is_clear() {
+        true => suspects(problem, &best),
+        false => Vec::new(),
+    };
     let (blind, bearing) = detectable(problem, &visible);
     let diagnosis = Diagnosis {
         verdict,
         health: about.health.clone(),
         warnings: Vec::new(),
         samples: SampleCount::default(),
-        motion: problem.first().data.motion_use.clone(),
-        visits: problem.first().data.visits,
+        motion: problem.data().motion_use.clone(),
+        visits: problem.data().visits,
         closure,
         again: noise::untold(problem, verdict)
-            .and_then(|untold| Again::of(untold, problem.first().model, &problem.first().data)),
+            .and_then(|untold| Again::of(untold, problem.first().model, problem.data())),
         masses_are_cad: problem.masses_are_cad,
         sentence: String::new(),
         lead: String::new(),
@@ -176,12 +170,12 @@ pub(super) fn find<'m>(
         support: about.support.to_string(),
         log: about.log.to_string(),
         times: None,
-        postures: problem.first().data.postures,
-        postures_used: problem.first().data.len(),
+        postures: problem.data().postures,
+        postures_used: problem.data().len(),
         prior: about.prior.clone(),
-        noise: problem.first().data.noise,
-        noise_floor: problem.first().data.noise_floor,
-        noise_source: problem.first().data.noise_source,
+        noise: problem.data().noise,
+        noise_floor: problem.data().noise_floor,
+        noise_source: problem.data().noise_source,
         baseline: baseline.gap.clone(),
         baseline_chi2: raw.chi2,
         steps,
@@ -195,10 +189,14 @@ pub(super) fn find<'m>(
         class: members,
         absorbed_by_masses: absorbed,
         unexplained,
-        suspects,
+        suspects: suspects.iter().map(|(own, _)| own.clone()).collect(),
         implausible,
         model_on_log: ModelOnLog::default(),
-        leftover,
+        leftover: Leftover {
+            chi2: left.chi2,
+            expected: left.expected,
+            suspect_share: suspects.first().map_or(0.0, |first| first.1),
+        },
         outliers: outliers.collect(),
         blind,
         detectable: bearing,
@@ -268,11 +266,8 @@ fn judged(search: &mut Search, ranked: Vec<Fit>, nothing: &Fit) -> (Vec<Fit>, Op
     }
     // What a term took of the masses' part, these may take themselves where they have settled.
     while let Some(best) = ranked.first().filter(|best| best.terms.len() > 1).cloned() {
-        let fewer = (0..best.terms.len()).map(|k| {
-            let mut terms = best.terms.clone();
-            terms.remove(k);
-            search.fit(&terms, Some(&best))
-        });
+        let places = 0..best.terms.len();
+        let fewer = places.map(|k| search.fit(&best.terms_without(k), Some(&best)));
         let mut fewer: Vec<Fit> = fewer.collect();
         fewer.retain(|fit| {
             let known = ranked.iter().any(|own| own.terms == fit.terms);
@@ -308,19 +303,14 @@ fn misfit(problem: &Problem, fit: &Fit) -> Misfit {
 
 /// What of an explanation no robot has, as a sentence.
 fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
-    let context = &problem.first().context;
+    let context = problem.context();
     let found = words::values(problem, fit);
-    let of = |name: &str| {
-        fit.terms
-            .iter()
-            .zip(&found)
-            .find(|(term, _)| term.name() == name)
-    };
+    let terms = || fit.terms.iter().zip(&found);
+    let of = |name: &str| terms().find(|(term, _)| term.name() == name);
+    let is_odd = |gain: &Quantity| !criteria::GAIN_BESIDE_UNIT.contains(&gain.value);
     // One sensor is not in a wrong unit and, beside that, wrong by half of itself.
     if let (Some(_), Some((term, gain))) = (of("units"), of("sensor_gain"))
-        && gain
-            .iter()
-            .any(|(_, gain)| !criteria::GAIN_BESIDE_UNIT.contains(&gain.value))
+        && gain.iter().any(|(_, gain)| is_odd(gain))
     {
         let clause = capital(&words::clause(context, term, gain));
         return Some(format!(
@@ -328,7 +318,7 @@ fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
              are no unit and no calibration."
         ));
     }
-    fit.terms.iter().zip(&found).find_map(|(term, found)| {
+    terms().find_map(|(term, found)| {
         let instance = term.effect()?;
         let values: Vec<f64> = found.iter().map(|(_, own)| own.value).collect();
         let (effect, target) = (instance.effect, &instance.target);
@@ -369,7 +359,7 @@ fn steps_told(
     held: &[HeldOut],
     evidence: &[f64],
 ) -> Vec<Step> {
-    let (context, values) = (&problem.first().context, words::values(problem, best));
+    let (context, values) = (problem.context(), words::values(problem, best));
     let step = |(k, &at): (usize, &usize)| {
         let (term, values) = (&best.terms[at], &values[at]);
         let (rmse_before, rmse_after) = (held[k].gap.rmse, held[k + 1].gap.rmse);
@@ -400,7 +390,7 @@ fn steps_told(
 
 /// An effect as it is fitted alone, beside `none`.
 fn score(problem: &Problem, fit: &Fit, none: &Fit) -> Option<Score> {
-    let context = &problem.first().context;
+    let context = problem.context();
     let mut found = fit.terms.iter().zip(words::values(problem, fit));
     let (term, values) = found.find(|(term, _)| term.effect().is_some())?;
     Some(Score {
@@ -415,47 +405,26 @@ fn score(problem: &Problem, fit: &Fit, none: &Fit) -> Option<Score> {
 
 /// The explanations of a class, as they are listed.
 fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
-    let context = &problem.first().context;
+    let context = problem.context();
     let first = class.first().map_or(0.0, Fit::score);
-    class
-        .iter()
-        .filter(|f| !f.terms.is_empty())
-        .map(|fit| {
-            let values = words::values(problem, fit);
-            let clauses = fit.terms.iter().zip(&values);
-            let clauses = clauses.map(|(i, v)| words::clause(context, i, v));
-            let subjects = fit.terms.iter().map(|term| term.subject(context));
-            Member {
-                effects: fit.terms.iter().map(|i| i.label(context)).collect(),
-                score_difference: fit.score() - first,
-                sentence: capital(&clauses.collect::<Vec<_>>().join(", with ")),
-                subjects: subjects.collect::<Vec<_>>().join(" with "),
-                com_apart: None,
-            }
-        })
-        .collect()
-}
-
-/// What the best explanation leaves, and what that goes with where it is unexplained.
-fn rest(problem: &Problem, best: &Fit, unexplained: bool) -> (Leftover, Vec<Suspect>) {
-    let now = Misfit::of(problem, best);
-    let suspects = match unexplained && now.is_clear() {
-        true => suspects(problem, best),
-        false => Vec::new(),
+    let member = |fit: &Fit| {
+        let subjects = fit.terms.iter().map(|term| term.subject(context));
+        Member {
+            effects: fit.terms.iter().map(|i| i.label(context)).collect(),
+            score_difference: fit.score() - first,
+            sentence: capital(&words::clauses(problem, fit).join(", with ")),
+            subjects: subjects.collect::<Vec<_>>().join(" with "),
+            com_apart: None,
+        }
     };
-    let leftover = Leftover {
-        chi2: now.chi2,
-        expected: now.expected,
-        suspect_share: suspects.first().map_or(0.0, |first| first.1),
-    };
-    let suspects = suspects.into_iter().map(|(suspect, _)| suspect);
-    (leftover, suspects.collect())
+    let some = class.iter().filter(|fit| !fit.terms.is_empty());
+    some.map(member).collect()
 }
 
 /// Joint offsets with the size from which this log shows them: those that it hardly shows, the
 /// largest first, and those of the joints that carry most of the mass, the smallest first.
 fn detectable(problem: &Problem, visible: &[(Term, f64)]) -> (Vec<Blind>, Vec<Blind>) {
-    let context = &problem.first().context;
+    let context = problem.context();
     let reach = context.robot.reach();
     let mut spots = Vec::new();
     for (term, chi2) in visible {

@@ -42,13 +42,11 @@ pub(super) struct Candidate {
 impl Dictionary {
     /// Slopes at joint positions `q` of each block, those of the logs unless given.
     pub(super) fn new(problem: &Problem, q: Option<&[Vec<f64>]>) -> Dictionary {
-        let context = &problem.first().context;
-        let contexts: Vec<Cow<[f64]>> = problem
-            .blocks
-            .iter()
-            .enumerate()
-            .map(|(at, block)| sides_at(block, q.map_or(&block.data.q, |q| &q[at])).into())
-            .collect();
+        let context = problem.context();
+        let blocks = problem.blocks.iter().enumerate();
+        let contexts =
+            blocks.map(|(at, block)| sides_at(block, q.map_or(&block.data.q, |q| &q[at])).into());
+        let contexts: Vec<Cow<[f64]>> = contexts.collect();
         let predicted =
             |terms: &[Term], unknowns: &[f64]| problem.predict(terms, unknowns, &contexts, q);
         let none = stacked_residual(&predicted(&[], &[]));
@@ -130,7 +128,7 @@ impl Dictionary {
     /// χ² that each candidate of ordinary size would have in this log.
     pub(super) fn visible(&self, problem: &Problem) -> Vec<(Term, f64)> {
         let of = |(c, square): (&Candidate, &DMatrix<f64>)| {
-            let scales = c.term.scales(&problem.first().context);
+            let scales = c.term.scales(problem.context());
             let ordinary = match c.count == scales.len() && !c.started {
                 true => DVector::from_vec(scales),
                 false => DVector::from_element(c.count, 1.0),

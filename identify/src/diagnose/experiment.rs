@@ -96,10 +96,6 @@ impl<'a, 'm> Trial<'a, 'm> {
         Trial { here, there }
     }
 
-    fn is(&self, experiment: Experiment) -> bool {
-        self.there.experiment == Some(experiment)
-    }
-
     /// S of each of `others` if `truth` holds, and what each new posture adds to
     /// all of them.
     fn separations(&self, truth: &Fit, others: &[&Fit]) -> (Vec<f64>, Vec<f64>) {
@@ -124,10 +120,10 @@ impl<'a, 'm> Trial<'a, 'm> {
     /// What the sum of raw cells tells: their noise on it is that of the CoP times
     /// weight over the cells' arm.
     fn by_weight(&self, truth: &Fit, other: &Fit) -> f64 {
-        if !self.is(Experiment::RawCells) {
+        if self.there.experiment != Some(Experiment::RawCells) {
             return 0.0;
         }
-        let (context, data) = (&self.here.first().context, &self.here.first().data);
+        let (context, data) = (self.here.context(), self.here.data());
         let carried = |fit: &Fit| -> f64 {
             let shares = with_places(&fit.terms, context).map(|(term, own)| {
                 let own = &fit.unknowns[own];
@@ -161,22 +157,18 @@ impl<'a, 'm> Trial<'a, 'm> {
     /// New rows.
     fn predict(&self, fit: &Fit) -> OnBlock {
         let mut own = self.here.carried(&self.there, &fit.terms, &fit.unknowns);
-        if self.is(Experiment::KnownWeight) {
-            self.carry(&mut own);
-        }
-        let context = self.sides(&own);
-        let q = &self.there.data.q;
-        self.there.predict(&own, fit.unknowns.len(), q, &context)
-    }
-
-    fn carry(&self, own: &mut CarriedExplanation) {
-        let context = &self.there.context;
-        let mass = criteria::CARRIED_SHARE * context.mass();
-        if let Some((weight, known)) = known_weight(context, mass, 0.3 * context.height()) {
+        let there = &self.there.context;
+        let mass = criteria::CARRIED_SHARE * there.mass();
+        if self.there.experiment == Some(Experiment::KnownWeight)
+            && let Some((weight, known)) = known_weight(there, mass, 0.3 * there.height())
+        {
             // Their order is their own: programs sort by stage, not by place in the list.
             own.terms.push(Term::Effect(weight));
             own.unknowns.extend(known);
         }
+        let context = self.sides(&own);
+        let q = &self.there.data.q;
+        self.there.predict(&own, fit.unknowns.len(), q, &context)
     }
 
     /// The context with sides of dead bands: gravity's, or in an approach from the other side,
@@ -194,10 +186,8 @@ impl<'a, 'm> Trial<'a, 'm> {
             return context;
         }
         let dof = self.there.model.dof();
-        let sense = match self.is(Experiment::BothSides) {
-            true => -1.0,
-            false => 1.0,
-        };
+        let from_other = self.there.experiment == Some(Experiment::BothSides);
+        let sense = if from_other { -1.0 } else { 1.0 };
         let moments = self
             .there
             .evaluate_moments(terms, unknowns, &data.q, &context);
@@ -211,7 +201,7 @@ impl<'a, 'm> Trial<'a, 'm> {
     /// Whitened directions of mass errors, old rows and new ones.
     fn masses(&self) -> DMatrix<f64> {
         let (here, old) = (self.here, self.here.masses(&[]).columns());
-        let noise = here.first().data.noise_floor;
+        let noise = here.data().noise_floor;
         let new = self.there.rows_of_first() * &here.prior(&[]).factor / noise;
         let parts = here
             .readings()
@@ -331,9 +321,7 @@ fn most_telling(trial: &Trial, truth: &Fit, others: &[&Fit]) -> (Vec<f64>, Vec<u
 fn makes_sense(experiment: Experiment, problem: &Problem, found: &Explained) -> bool {
     let any = |holds: fn(&Term) -> bool| found.class.iter().any(|f| f.terms.iter().any(holds));
     match experiment {
-        Experiment::RawCells => {
-            !problem.first().data.raw_cells && !problem.first().data.cells.is_empty()
-        }
+        Experiment::RawCells => !problem.data().raw_cells && !problem.data().cells.is_empty(),
         Experiment::BothSides => any(|term| term.dead_band().is_some()),
         Experiment::Untouched => any(|term| {
             let gone = |experiment| term.in_experiment(experiment) == Carry::Gone;
@@ -373,7 +361,7 @@ fn candidates(
     robot: &Robot,
     folder: Option<&Path>,
 ) -> Option<Vec<f64>> {
-    let (dof, data) = (model.dof(), &problem.first().data);
+    let (dof, data) = (model.dof(), problem.data());
     let mut limits = Limits::of_urdf(&model.tree.dofs);
     for (joint, range) in limits.ranges.iter_mut().enumerate() {
         let (low, high) = range_of(data.q.iter().skip(joint).step_by(dof).copied());

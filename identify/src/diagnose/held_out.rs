@@ -5,6 +5,7 @@ use super::hypothesis::Term;
 use super::criteria;
 use super::findings::{Gap, HeldOut};
 use super::problem::{Fit, Problem};
+use crate::fit::HELD_OUT_TIMES;
 use crate::observations::correlation::step;
 use crate::observations::postures::rms;
 
@@ -12,20 +13,16 @@ use crate::observations::postures::rms;
 /// long as noise lasts; of a log without times every 20th posture. Visits of a posture are held
 /// out together.
 pub(super) fn parts(problem: &Problem) -> Vec<usize> {
-    let n = problem.first().data.len();
+    let data = problem.data();
+    let n = data.len();
     let most = criteria::FOLDS.min(n);
-    let timed = problem
-        .first()
-        .data
-        .t
-        .as_deref()
-        .is_some_and(|t| step(t).is_some());
+    let timed = data.t.as_deref().is_some_and(|t| step(t).is_some());
     // Noise lasts half as many rows as an independent one takes.
     let lasts = 0.5 * problem.rows_per_sample();
-    let stretches = (n as f64 / (criteria::HELD_OUT_TIMES * lasts)) as usize;
+    let stretches = (n as f64 / (HELD_OUT_TIMES * lasts)) as usize;
     let folds = stretches.clamp(2.min(n), most);
     let part = |k: usize, n: usize| if timed { k * folds / n } else { k % most };
-    let first = &problem.first().data.first_visits;
+    let first = &data.first_visits;
     if first.is_empty() {
         return (0..n).map(|k| part(k, n)).collect();
     }
@@ -38,7 +35,7 @@ pub(super) fn parts(problem: &Problem) -> Vec<usize> {
 /// Cross-validation of a hypothesis: each posture predicted without itself. Postures
 /// that are `apart` do not count.
 pub(super) fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut {
-    let n = problem.first().data.len();
+    let n = problem.data().len();
     if whole.terms.is_empty() && problem.masses(&[]).is_negligible() {
         return of_errors(errors_of(problem, whole, None), apart);
     }
@@ -48,9 +45,8 @@ pub(super) fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> 
         let keep: Vec<bool> = parts.iter().map(|part| *part != fold).collect();
         let fit = problem.fit(&whole.terms, Some(whole), Some(&keep));
         let own = errors_of(problem, &fit, Some(&keep));
-        for k in (0..n).filter(|k| !keep[*k]) {
-            errors[2 * k] = own[2 * k];
-            errors[2 * k + 1] = own[2 * k + 1];
+        for row in (0..2 * n).filter(|row| !keep[row / 2]) {
+            errors[row] = own[row];
         }
     }
     of_errors(errors, apart)
@@ -58,13 +54,10 @@ pub(super) fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> 
 
 /// Errors of the robot with CAD masses.
 pub(super) fn of_cad(problem: &Problem) -> HeldOut {
-    let n = problem.first().data.len();
-    let data = &problem.first().data;
-    let out = problem
-        .first()
-        .evaluate(&[], &[], &data.q, &data.posture_context);
+    let (first, data) = (problem.first(), problem.data());
+    let out = first.evaluate(&[], &[], &data.q, &data.posture_context);
     let errors = data.reading.iter().zip(&out).map(|(y, p)| y - p);
-    of_errors(errors.collect(), &vec![false; n])
+    of_errors(errors.collect(), &vec![false; data.len()])
 }
 
 /// reading − prediction, masses as the kept postures suggest, or as `fit` is stated with.
@@ -88,7 +81,7 @@ pub(super) fn apart(problem: &Problem, fit: &Fit) -> Vec<bool> {
 /// that is still missing makes every posture look like an outlier.
 pub(super) fn apart_on_the_way(problem: &Problem, step: &Fit, best: &Fit) -> Vec<bool> {
     let outlying = step.terms.contains(&Term::Outliers);
-    let mut apart = vec![false; problem.first().data.len()];
+    let mut apart = vec![false; problem.data().len()];
     if let Some(outliers) = best.outliers.as_ref().filter(|_| outlying) {
         outliers.named().into_iter().for_each(|k| apart[k] = true);
     }
@@ -99,11 +92,8 @@ pub(super) fn apart_on_the_way(problem: &Problem, step: &Fit, best: &Fit) -> Vec
 }
 
 fn of_errors(mut errors: Vec<f64>, apart: &[bool]) -> HeldOut {
-    for (k, apart) in apart.iter().enumerate() {
-        if *apart {
-            errors[2 * k] = f64::NAN;
-            errors[2 * k + 1] = f64::NAN;
-        }
+    for row in (0..errors.len()).filter(|row| apart[row / 2]) {
+        errors[row] = f64::NAN;
     }
     let axis = |a: usize| {
         let own = errors.iter().skip(a).step_by(2).copied();

@@ -38,12 +38,8 @@ impl Misfit {
         let outliers = fit.outliers.iter().flat_map(Outliers::named);
         let outliers: Vec<usize> = outliers.collect();
         let (mut chi2, mut rows) = (0.0, 0.0);
-        let blocks = problem
-            .blocks
-            .iter()
-            .zip(&fit.blocks)
-            .zip(problem.readings());
-        for (at, ((block, own), range)) in blocks.enumerate() {
+        let blocks = problem.blocks.iter().zip(&fit.blocks);
+        for (at, ((block, own), range)) in blocks.zip(problem.readings()).enumerate() {
             let is_apart = |k: usize| own.flipped.contains(&k) || at == 0 && outliers.contains(&k);
             for (row, at) in range.enumerate().filter(|(row, _)| !is_apart(row / 2)) {
                 // Against the noise as it is, however few samples the rows are worth.
@@ -77,8 +73,8 @@ pub(super) fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
     let left = |row: usize| fit.blocks[0].residual[row] - shift[row];
     let postures: Vec<usize> = (0..apart.len()).filter(|&k| !apart[k]).collect();
     let share = |of: &dyn Fn(usize) -> f64| Bins::new(postures.clone(), of).share(left, 0..2).0;
-    let data = &problem.first().data;
-    let robot = problem.first().context.robot;
+    let data = problem.data();
+    let robot = problem.context().robot;
     let (layout, dofs) = (PostureContext::of(robot), &robot.tree.dofs);
     let moments = problem.first().moments_at(&data.q);
     let place = |k: usize| data.posture_context[k * layout.len() + layout.place()];
@@ -132,11 +128,7 @@ impl Bins {
 
 /// Whether more is left of the soles than noise leaves.
 pub(super) fn is_open(problem: &Problem, fit: &Fit) -> bool {
-    let first = problem.first();
-    first.closure.as_ref().is_some_and(|closure| {
-        let (chi2, expected) = closure.chi2(&first.soles_of(&fit.blocks[0]));
-        chi2 > criteria::LEFTOVER_RATIO_OF_RESIDUALS * expected
-    })
+    closure_found(problem, fit, fit).is_some_and(|found| !found.closes)
 }
 
 /// What is said of the soles, by CAD (`null`) and with the explanation.

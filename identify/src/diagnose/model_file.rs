@@ -38,7 +38,7 @@ const ROUNDS: usize = 12;
 /// Parameters as the masses' prior and the data have them, and every effect of
 /// the explanation `best` that a model can hold; the logs are added by the caller.
 pub(super) fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
-    let model = problem.first().context.robot;
+    let model = problem.context().robot;
     let identified = best.frees_masses();
     let prior = problem.prior(&best.terms);
     let values = problem.params_of(best);
@@ -52,13 +52,13 @@ pub(super) fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
     let source = if identified { "data" } else { "prior" };
     let mut file = ModelFile::from_values(model, &values, Some(&std), source);
     file.inform(information(&rows, &prior.factor, prior.beyond));
-    file.noise_floor = Some(problem.first().data.noise_floor);
+    file.noise_floor = Some(problem.data().noise_floor);
     for (term, values) in best.terms.iter().zip(words::values(problem, best)) {
         let Some(instance) = term.effect() else {
             continue;
         };
         if instance.effect.stage() == Stage::Cells {
-            file.cells = problem.first().data.cells.clone();
+            file.cells = problem.data().cells.clone();
         }
         let parameters = values.iter().map(|(name, own)| {
             let std = own.std.is_finite().then_some(own.std);
@@ -67,7 +67,7 @@ pub(super) fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
         });
         file.effects.push(EffectRecord {
             effect: term.name().to_string(),
-            target: problem.first().context.name_of(&instance.target),
+            target: problem.context().name_of(&instance.target),
             parameters: parameters.collect(),
         });
     }

@@ -214,8 +214,8 @@ fn explains_more_than_motion(data: &Postures, model: &Model, prior: &Prior, move
 
 /// What is said of the motion in a log, once an explanation is found.
 pub(super) fn said(problem: &Problem, fit: &Fit) -> MotionUse {
-    let mut said = problem.first().data.motion_use.clone();
-    if let Some(moved) = problem.first().data.moved.as_ref().filter(|_| said.used) {
+    let mut said = problem.data().motion_use.clone();
+    if let Some(moved) = problem.data().moved.as_ref().filter(|_| said.used) {
         said.share = share_beside(problem, fit, moved).or(said.share);
     }
     said.told()

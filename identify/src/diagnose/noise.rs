@@ -9,14 +9,10 @@ use crate::health::{Finding, FitResiduals, Picture, Row};
 use crate::observations::noise::{NoiseSource, scale};
 use crate::observations::revisits::Untold;
 
-/// Readings beyond what masses take of them, at least, for the noise to be known from what is left.
-/// Chosen: as many as a fit asks for.
-pub(super) const LEFT_AT_LEAST: usize = 5;
-
 /// What the best explanation and free masses leave, m, and how many of the readings they take
 /// up, where the noise is known from what free masses alone leave and this is less.
 pub(super) fn beside(problem: &Problem, found: &Explained) -> Option<(Vec<f64>, f64)> {
-    let data = &problem.first().data;
+    let data = problem.data();
     if data.noise_source != NoiseSource::Residuals || found.best.terms.is_empty() {
         return None;
     }
@@ -29,7 +25,7 @@ pub(super) fn beside(problem: &Problem, found: &Explained) -> Option<(Vec<f64>, 
 /// What a log does not tell of its noise, where a posture that is reached again would: its size, or
 /// what visits of one posture differ by, where more is left than readings of single visits scatter.
 pub(super) fn untold(problem: &Problem, verdict: Verdict) -> Option<Untold> {
-    let data = &problem.first().data;
+    let data = problem.data();
     let repeats = data.rows_per_posture > 1.0;
     match (verdict, data.noise_source) {
         (Verdict::Unusable, _) => None,
@@ -42,20 +38,20 @@ pub(super) fn untold(problem: &Problem, verdict: Verdict) -> Option<Untold> {
 /// A finding where it is, and where there are samples enough to know.
 pub(super) fn overstated(problem: &Problem, found: &Explained) -> Option<Finding> {
     // Readings from which a joint's position was taken say little of their noise.
-    let spent = !problem.first().data.spent.is_empty();
+    let spent = !problem.data().spent.is_empty();
     if spent || found.diagnosis.verdict == Verdict::Unusable {
         return None;
     }
     let misfit = Misfit::of(problem, &found.best);
-    let rows = 2.0 * problem.first().data.len() as f64;
+    let rows = 2.0 * problem.data().len() as f64;
     FitResiduals {
         chi2: misfit.chi2,
         expected: misfit.expected,
         taken: rows - misfit.expected,
         samples: rows / misfit.rows_per_sample,
-        noise_m: problem.first().data.noise,
-        floor_m: problem.first().data.noise_floor,
-        source: problem.first().data.noise_source,
+        noise_m: problem.data().noise,
+        floor_m: problem.data().noise_floor,
+        source: problem.data().noise_source,
     }
     .overstated_noise(&found.diagnosis.health)
     .map(|finding| Finding {
@@ -67,7 +63,7 @@ pub(super) fn overstated(problem: &Problem, found: &Explained) -> Option<Finding
 /// What is left of each posture, mm.
 fn left(problem: &Problem, found: &Explained) -> Picture {
     let left = |row: usize| 1e3 * found.best.blocks[0].residual[row] / problem.first().weight[row];
-    let data = &problem.first().data;
+    let data = problem.data();
     let row = |k: usize| Row::among(&data.pose, &data.q, k);
     Picture::new("What is left of the CoP, mm", data.len(), row, |k| {
         vec![(left(2 * k), true), (left(2 * k + 1), true)]

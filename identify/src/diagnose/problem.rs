@@ -28,6 +28,7 @@ use crate::fit::prior::{Prior, Tolerances};
 use crate::lsq::factor_normal;
 use crate::lsq::solve::Beyond;
 use crate::observations::correlation::Correlation;
+use crate::observations::postures::Postures;
 
 use crate::svd::svd;
 pub use block::{Block, InFile, OwnSides};
@@ -112,6 +113,13 @@ impl Fit {
         Some(&self.unknowns[own])
     }
 
+    /// Its terms but for one.
+    pub(super) fn terms_without(&self, place: usize) -> Vec<Term> {
+        let mut terms = self.terms.clone();
+        terms.remove(place);
+        terms
+    }
+
     /// Whether a joint has a dead band.
     pub(super) fn is_loose(&self) -> bool {
         self.terms.iter().any(|term| term.dead_band().is_some())
@@ -188,6 +196,16 @@ impl<'m> Problem<'m> {
         &self.blocks[0]
     }
 
+    /// The robot of that log, as effects see it.
+    pub(super) fn context(&self) -> &EffectContext<'m> {
+        &self.first().context
+    }
+
+    /// Its postures.
+    pub(super) fn data(&self) -> &Postures {
+        &self.first().data
+    }
+
     /// Places of each block's readings among all rows.
     pub(super) fn readings(&self) -> impl Iterator<Item = Range<usize>> {
         let mut at = 0;
@@ -210,7 +228,7 @@ impl<'m> Problem<'m> {
         terms: &[Term],
         unknowns: &[f64],
     ) -> CarriedExplanation {
-        let contexts = (&self.first().context, &block.context);
+        let contexts = (self.context(), &block.context);
         carried(block.experiment, contexts, (terms, unknowns))
     }
 
@@ -317,7 +335,7 @@ impl<'m> Problem<'m> {
                 Some(weight) => *weight,
                 None => 1.0 / targets(term) as f64,
             };
-            let unknowns = term.penalised_unknowns(&self.first().context);
+            let unknowns = term.penalised_unknowns(self.context());
             unknowns as f64 * readings.ln() + 2.0 * (kinds as f64 / weight).ln()
         };
         terms.iter().map(of).sum()

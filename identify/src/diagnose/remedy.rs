@@ -166,7 +166,7 @@ pub(super) fn add(
             };
         }
         if let Some((joint, _)) = encoder(term, own) {
-            let dof = &problem.first().context.robot.tree.dofs[joint];
+            let dof = &problem.context().robot.tree.dofs[joint];
             let old = servos.get(&dof.joint).copied();
             let map = encoder_of(joint, terms, &values);
             let new = old.zip(map).and_then(|(old, map)| old.corrected(map));
@@ -202,7 +202,7 @@ fn encoder_of(joint: usize, terms: &[Term], values: &[Vec<f64>]) -> Option<Encod
 }
 
 fn of_term(problem: &Problem, term: &Term, values: &[f64], description: &Description) -> Remedy {
-    let context = &problem.first().context;
+    let context = problem.context();
     let (sentence, urdf) = match term {
         Term::Effect(instance) => {
             let (effect, target) = (instance.effect, &instance.target);
@@ -278,7 +278,7 @@ pub(super) fn corrected_urdf(
         &file,
         robot,
         model,
-        &problem.first().context.catalog,
+        &problem.context().catalog,
         snapping,
         prior,
         total_mass,

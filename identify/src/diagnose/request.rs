@@ -208,9 +208,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     warn_of_left_out(&samples, &data, watch);
     let stands = stands(request, &model, &prior, elsewhere.keys())?;
     let others = further_blocks(request, (&model, &prior), (&samples, &data), &stands, watch)?;
-    let names = [&request.log].into_iter().chain(&request.then);
-    let names = names.map(LogSource::file_name).collect::<Vec<_>>();
-    let names = names.join(" + ");
+    let names = names([&request.log].into_iter().chain(&request.then));
     let explain = |data: &Postures, motion: MotionModel, watch: &mut dyn Watch| {
         let (mut data, health) = examined(request, &model, (data, motion));
         let health = health.after(rows.clone());
@@ -425,10 +423,15 @@ fn masses_before(request: &Request, model: &Model, watch: &mut dyn Watch) -> Res
         ..common
     };
     let healthy = fit(&of_parts, watch)?;
-    let names = request.healthy.iter().map(LogSource::file_name);
-    let names = names.collect::<Vec<_>>().join(" + ");
+    let names = names(request.healthy.iter());
     let fitted = Fitted::new(&healthy.model_file, model, &names)?;
     Ok(Prior::Fitted(Box::new(fitted)))
+}
+
+/// Names of logs as one.
+fn names<'l>(logs: impl Iterator<Item = &'l LogSource>) -> String {
+    let names = logs.map(LogSource::file_name);
+    names.collect::<Vec<_>>().join(" + ")
 }
 
 /// The link on the ground in another log: as it says itself, else that of the log at hand.

@@ -7,11 +7,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::criteria::{COUNTS, LONGER, STAYED};
-use super::diagnosis;
 use super::findings::{About, Explained};
-use super::noise;
 use super::nuisance::Nuisance;
 use super::problem::{Block, Fit, OnBlock, Problem};
+use super::{diagnosis, noise};
 use crate::Error;
 use crate::observations::correlation::{Correlation, step};
 use crate::observations::noise::NoiseSource;
@@ -53,20 +52,16 @@ pub(super) fn explained<'m>(
         if !correlation.iter().any(counts) || !about.usable {
             break;
         }
-        let own = times
-            .iter_mut()
-            .zip(&correlation)
-            .zip(problem.blocks.iter());
-        for ((times, correlation), block) in own {
-            *times = noise_factors(block, *times, correlation);
+        for ((times, own), block) in times.iter_mut().zip(&correlation).zip(&problem.blocks) {
+            *times = noise_factors(block, *times, own);
         }
         problem = first.clone();
         // Where rows are independent, a log stays as it is.
-        let correlated = correlation
+        for (block, own) in correlation
             .iter()
             .enumerate()
-            .filter(|(_, own)| counts(own));
-        for (block, own) in correlated {
+            .filter(|(_, own)| counts(own))
+        {
             problem.correlate_noise(block, times[block], own);
         }
         found = diagnosis::find(&mut problem, about, watch)?;
@@ -89,11 +84,8 @@ pub(super) fn explained<'m>(
 /// Correlation of what a fit leaves on each axis, log by log.
 fn correlations(problem: &Problem, fit: &Fit) -> Vec<[Correlation; 2]> {
     let masses = problem.masses(&fit.terms);
-    let blocks = problem
-        .blocks
-        .iter()
-        .zip(&fit.blocks)
-        .zip(problem.readings());
+    let blocks = problem.blocks.iter().zip(&fit.blocks);
+    let blocks = blocks.zip(problem.readings());
     let blocks = blocks.map(|((block, own), range)| correlation(block, own, masses, range.start));
     blocks.collect()
 }

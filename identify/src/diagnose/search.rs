@@ -11,13 +11,12 @@ use std::sync::Arc;
 use nalgebra::DVector;
 use sesc_model::effects::Stage;
 
-use super::criteria;
-use super::dictionary::Dictionary;
+use super::dictionary::{Candidate, Dictionary};
 use super::hypothesis::{Term, sorted};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem, Proposal};
-use super::wiring;
+use super::{criteria, wiring};
 use crate::Error;
 use crate::health::wirings;
 use crate::threads::{each_long, processors};
@@ -72,7 +71,7 @@ impl<'m> Search<'m> {
         };
         let mut proposals = self.extensions(parent, (usize::MAX, most));
         proposals.retain(adds_effect);
-        let context = &self.problem.first().context;
+        let context = self.problem.context();
         let terms = proposals.iter().map(|one| sorted(context, &one.terms));
         let terms: Vec<Vec<Term>> = terms.collect();
         let new = terms
@@ -86,17 +85,13 @@ impl<'m> Search<'m> {
         all
     }
 
-    fn penalty(&self, term: &Term) -> f64 {
-        self.problem.penalty(std::slice::from_ref(term))
-    }
-
     /// All hypotheses that were fitted, the best first.
     ///
     /// # Errors
     /// When `watch` stops the search.
     pub(super) fn run(&mut self, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
         let null = self.fit(&[], None);
-        let faults = wirings::faults(&self.problem.first().context).into_iter();
+        let faults = wirings::faults(self.problem.context()).into_iter();
         let faults: Vec<Term> = faults.map(Term::Effect).collect();
         let mut beam = vec![null];
         for depth in 1..=criteria::TOO_MANY_EFFECTS {
@@ -107,7 +102,7 @@ impl<'m> Search<'m> {
             }
             if depth > 1 {
                 // Wiring faults also occur together, and leave large gaps.
-                let large = criteria::WIRING_CHI2 * 2.0 * self.problem.first().data.len() as f64;
+                let large = criteria::WIRING_CHI2 * 2.0 * self.problem.data().len() as f64;
                 let gaps = beam.iter().filter(|f| f.objective > large);
                 let further = gaps
                     .take(criteria::WIRING_BESIDE.0)
@@ -138,7 +133,7 @@ impl<'m> Search<'m> {
     pub(super) fn ranked(&self) -> Vec<Fit> {
         let mut all: Vec<Fit> = self.known.values().cloned().collect();
         // Ties go to the fewest, then to the order of the list.
-        let context = &self.problem.first().context;
+        let context = self.problem.context();
         let ranks = |fit: &Fit| fit.terms.iter().map(|term| term.rank(context)).collect();
         all.sort_by(|a, b| {
             let score = a.score().total_cmp(&b.score());
@@ -160,7 +155,7 @@ impl<'m> Search<'m> {
 
     /// Fit a set of terms once.
     pub(super) fn fit(&mut self, terms: &[Term], parent: Option<&Fit>) -> Fit {
-        let terms = sorted(&self.problem.first().context, terms);
+        let terms = sorted(self.problem.context(), terms);
         if let Some(fit) = self.known.get(&terms) {
             return fit.clone();
         }
@@ -218,10 +213,8 @@ impl<'m> Search<'m> {
     /// Change of the objective of a hypothesis beside masses within other tolerances; none where
     /// these are as free already.
     fn with_masses(&self, parent: &Fit) -> Option<f64> {
-        let (wide, tight) = (
-            self.problem.masses(&[Term::Masses]),
-            self.problem.masses(&[]),
-        );
+        let masses = |terms| self.problem.masses(terms);
+        let (wide, tight) = (masses(&[Term::Masses]), masses(&[]));
         let residual = parent.residual();
         let left = |n: &Nuisance| residual.dot(&n.project_out_one(&residual));
         let change = || left(wide) + wide.log_det - left(tight) - tight.log_det;
@@ -232,7 +225,8 @@ impl<'m> Search<'m> {
     fn pairs(&self, null: &Fit) -> Vec<Proposal> {
         let residual = null.residual();
         let candidates = &self.base.candidates;
-        let penalties: Vec<f64> = candidates.iter().map(|c| self.penalty(&c.term)).collect();
+        let penalty = |c: &Candidate| self.problem.penalty(std::slice::from_ref(&c.term));
+        let penalties: Vec<f64> = candidates.iter().map(penalty).collect();
         let mut pairs = Vec::new();
         self.base.pairs(&self.problem, &residual, |i, j, gain| {
             if candidates[i].term.is_compatible(&candidates[j].term) {
@@ -263,7 +257,8 @@ impl<'m> Search<'m> {
         proposals.sort_by(Proposal::order);
         // A linear prediction is hardly ever too modest, but where gaps are large.
         let is_hopeless = |proposal: &Proposal, best: f64| {
-            let room = criteria::HOPELESS + criteria::HOPELESS_PART * best.abs();
+            let (least, part) = criteria::HOPELESS;
+            let room = least + part * best.abs();
             depth > 1 && proposal.predicted_score > best + room
         };
         let mut waiting = proposals.into_iter();
@@ -273,7 +268,7 @@ impl<'m> Search<'m> {
             while next.len() < processors()
                 && let Some(proposal) = waiting.next()
             {
-                let terms = sorted(&self.problem.first().context, &proposal.terms);
+                let terms = sorted(self.problem.context(), &proposal.terms);
                 let is_known = self.known.contains_key(&terms)
                     || next.iter().any(|(others, _)| *others == terms);
                 if !is_known && !is_hopeless(&proposal, best) {
@@ -320,9 +315,7 @@ impl<'m> Search<'m> {
         let best: Vec<Fit> = self.ranked().into_iter().take(criteria::EXAMINED).collect();
         for (place, fit) in best.iter().enumerate() {
             for k in 0..fit.terms.len() {
-                let mut fewer = fit.terms.clone();
-                fewer.remove(k);
-                let parent = self.fit(&fewer, Some(fit));
+                let parent = self.fit(&fit.terms_without(k), Some(fit));
                 let breadth = [criteria::LATER, criteria::NEAR][usize::from(place == 0)];
                 let proposals = self.extensions(&parent, breadth);
                 self.refine(proposals, 2, watch)?;

@@ -1,7 +1,6 @@
 //! The sentences that sum a diagnosis up.
 
-use super::com_spread;
-use super::criteria;
+use super::{com_spread, criteria};
 use sesc_model::text::listed;
 
 use super::findings::{Diagnosis, Explained, Verdict};
@@ -37,17 +36,15 @@ fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
     parts.extend(d.health.iter().map(|finding| finding.sentence.clone()));
     parts.extend(d.closure.iter().map(|closure| closure.sentence.clone()));
     let mut lead = parts.clone();
-    let values = words::values(problem, &found.best);
-    let clauses = found.best.terms.iter().zip(&values);
-    let clauses = clauses.map(|(i, v)| words::clause(&problem.first().context, i, v));
-    let clauses: Vec<String> = clauses.collect();
+    let clauses = words::clauses(problem, &found.best);
     let others = d.class.iter().skip(1);
     let others: Vec<&str> = others.map(|member| &*member.subjects).collect();
     // The title of a page has the effects.
     let mut rest_of_title = None;
     let mut missing = |how: &str, rest: &str| {
         parts.push(format!("Missing: {how}{}; {rest}", clauses.join(", and ")));
-        let sizes = values.iter().map(words::sizes);
+        let sizes = words::values(problem, &found.best).into_iter();
+        let sizes = sizes.map(|own| words::sizes(&own));
         let sizes = sizes.filter(|own| !own.is_empty()).collect::<Vec<_>>();
         let sizes = (!sizes.is_empty()).then(|| capital(&sizes.join("; ")) + ".");
         rest_of_title = Some(sizes.into_iter().chain([capital(rest)]).collect::<Vec<_>>());

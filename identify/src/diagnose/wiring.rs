@@ -7,7 +7,7 @@ use nalgebra::DVector;
 use sesc_model::tape::Tape;
 
 use super::criteria;
-use super::dictionary::Dictionary;
+use super::dictionary::{Candidate, Dictionary};
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem, Proposal, run_alone, stacked_residual, stacked_slopes};
 use crate::lsq::factor_normal;
@@ -25,28 +25,18 @@ pub fn proposals(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) ->
             return None;
         }
         let gains = dictionary.gains_of(&left);
-        let best = dictionary
-            .candidates
-            .iter()
-            .zip(gains)
-            .map(|(c, gain)| {
-                (
-                    predicted_score - gain + problem.penalty(std::slice::from_ref(&c.term)),
-                    &c.term,
-                )
-            })
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        let beside = best.map(|(predicted_score, more)| Proposal {
-            terms: vec![fault.clone(), more.clone()],
-            predicted_score,
-            parent: None,
-        });
-        let alone = Proposal {
-            terms: vec![fault.clone()],
+        let proposal = |terms: &[&Term], predicted_score: f64| Proposal {
+            terms: terms.iter().map(|term| (*term).clone()).collect(),
             predicted_score,
             parent: None,
         };
-        Some((alone, beside))
+        let beside = dictionary.candidates.iter().zip(gains);
+        let beside = beside.map(|(Candidate { term, .. }, gain)| {
+            let penalty = problem.penalty(std::slice::from_ref(term));
+            proposal(&[fault, term], predicted_score - gain + penalty)
+        });
+        let beside = beside.min_by(Proposal::order);
+        Some((proposal(&[fault], predicted_score), beside))
     });
     let (mut alone, beside): (Vec<_>, Vec<_>) = with_best.into_iter().flatten().unzip();
     let mut beside: Vec<Proposal> = beside.into_iter().flatten().collect();

@@ -13,7 +13,7 @@ pub(super) type Sizes = Vec<(&'static str, Quantity)>;
 
 /// What each effect of a fit amounts to: deviations by the slopes of the values.
 pub(super) fn values(problem: &Problem, fit: &Fit) -> Vec<Sizes> {
-    let context = &problem.first().context;
+    let context = problem.context();
     let values = with_places(&fit.terms, context).map(|(term, own)| {
         let (at, count) = (own.start, own.len());
         let covariance = fit.covariance.view((at, at), (count, count)).into_owned();
@@ -79,6 +79,13 @@ pub(super) fn clause(context: &EffectContext, term: &Term, values: &Sizes) -> St
         return subject;
     }
     format!("{subject} ({})", sizes(values))
+}
+
+/// The clause of every effect of a fit.
+pub(super) fn clauses(problem: &Problem, fit: &Fit) -> Vec<String> {
+    let clauses = fit.terms.iter().zip(values(problem, fit));
+    let clauses = clauses.map(|(term, own)| clause(problem.context(), term, &own));
+    clauses.collect()
 }
 
 /// Values after each other: `mass 155 g ± 6 g, x 22.6 mm ± 2.3 mm`.

@@ -26,7 +26,7 @@ pub(super) const TO_SEE_OUTLIERS: f64 = 10.0;
 
 /// Held-out blocks are longer than this many correlation times. Chosen: noise in the middle of
 /// a block goes with the rest by e⁻² = 0.14 (closed form), with half of it by 0.37.
-pub(super) const HELD_OUT_TIMES: f64 = 4.0;
+pub(crate) const HELD_OUT_TIMES: f64 = 4.0;
 /// Axes whose noise differs by more are not weighed any further. Chosen: an axis counts a
 /// hundred times as much as the other by then.
 pub(super) const MOST_APART: f64 = 10.0;

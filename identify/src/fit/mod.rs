@@ -37,6 +37,7 @@ pub use crate::observations::noise::NoiseSource;
 pub use crate::observations::repeats::{LackOfFit, Visits};
 pub use crate::observations::revisits::Again;
 pub use crate::observations::sample_count::SampleCount;
+pub(crate) use criteria::HELD_OUT_TIMES;
 #[doc(hidden)]
 pub use estimate::identify;
 #[doc(hidden)]

@@ -39,10 +39,10 @@ impl Problem<'_> {
     fn starts(&self, terms: &[Term], parent: Option<&Fit>) -> Vec<Vec<f64>> {
         let mut starts = vec![Vec::new()];
         for term in terms {
-            let found = parent.and_then(|fit| fit.unknowns_of(&self.first().context, term));
+            let found = parent.and_then(|fit| fit.unknowns_of(self.context(), term));
             let own = match found {
                 Some(own) => vec![own.to_vec()],
-                None => term.starts(&self.first().context),
+                None => term.starts(self.context()),
             };
             let longer = |before: &Vec<f64>| -> Vec<Vec<f64>> {
                 own.iter()
@@ -66,7 +66,7 @@ impl Problem<'_> {
             if slack {
                 if round == 0 {
                     // A width to begin with, else no side matters.
-                    for (term, own) in with_places(terms, &self.first().context) {
+                    for (term, own) in with_places(terms, self.context()) {
                         match (term.dead_band(), unknowns.get_mut(own.start)) {
                             (Some(width), Some(first)) if *first == 0.0 => *first = width,
                             _ => {}
@@ -204,7 +204,7 @@ impl Problem<'_> {
     pub fn scales(&self, terms: &[Term]) -> Vec<f64> {
         terms
             .iter()
-            .flat_map(|term| term.scales(&self.first().context))
+            .flat_map(|term| term.scales(self.context()))
             .collect()
     }
 
@@ -257,7 +257,7 @@ impl Problem<'_> {
 
     /// Each bound that is crossed, with its slope by the unknowns.
     fn add_walls(&self, terms: &[Term], state: &mut State) {
-        let context = &self.first().context;
+        let context = self.context();
         for (term, places) in with_places(terms, context) {
             let own = state.unknowns[places.clone()].to_vec();
             let violation = |x: &[f64]| term.bound_violation(context, x);

@@ -15,6 +15,7 @@ pub use trends::{Middle, Point, Predicted, PredictedPoint, Quantity, Trend};
 
 use super::findings::Explained;
 use super::held_out;
+use super::outliers::Outliers;
 use super::problem::{Fit, Problem};
 use crate::observations::postures::{range, rms};
 use crate::skeleton::Skeleton;
@@ -129,16 +130,13 @@ impl Residuals {
     /// Coefficients of χ², and readings that are counted.
     fn chi2(&self, weight: &[f64]) -> ([f64; 3], usize) {
         let (mut sum, mut count) = ([0.0; 3], 0);
-        for (row, ((before, after), w)) in
-            self.before.iter().zip(&self.after).zip(weight).enumerate()
-        {
-            if !self.outlier[row / 2] {
-                let (from, by) = (before * w, (after - before) * w);
-                sum[0] += from * from;
-                sum[1] += 2.0 * from * by;
-                sum[2] += by * by;
-                count += 1;
-            }
+        for row in (0..weight.len()).filter(|row| !self.outlier[row / 2]) {
+            let (before, after) = (self.before[row], self.after[row]);
+            let (from, by) = (before * weight[row], (after - before) * weight[row]);
+            sum[0] += from * from;
+            sum[1] += 2.0 * from * by;
+            sum[2] += by * by;
+            count += 1;
         }
         (sum, count)
     }
@@ -150,18 +148,16 @@ impl DiagnosisView {
         found: &Explained,
         skeleton: Skeleton,
     ) -> DiagnosisView {
-        let (data, dof) = (&problem.first().data, problem.first().model.dof());
+        let (data, dof) = (problem.data(), problem.first().model.dof());
+        let outliers = found.best.outliers.iter().flat_map(Outliers::named);
         let mut outlier = vec![false; data.len()];
-        if let Some(outliers) = &found.best.outliers {
-            outliers.named().into_iter().for_each(|k| outlier[k] = true);
-        }
+        outliers.for_each(|k| outlier[k] = true);
         let residuals = Residuals {
             before: found.baseline.errors.clone(),
             after: held_out::errors_of(problem, &found.best, None),
             outlier,
         };
-        let rest = found.diagnosis.unexplained;
-        let context = &problem.first().context;
+        let terms = found.best.terms.iter();
         let (chi2, chi2_readings) = residuals.chi2(&problem.first().weight);
         DiagnosisView {
             used: (0..dof)
@@ -178,17 +174,12 @@ impl DiagnosisView {
             predicted: trends::predicted(problem, found, &residuals),
             by_position: trends::strongest(problem, found, &residuals, Quantity::Position),
             by_moment: trends::strongest(problem, found, &residuals, Quantity::Moment),
-            trends_of_rest: rest,
+            trends_of_rest: found.diagnosis.unexplained,
             spread: Spread::of(problem, &residuals),
             regions: Regions::of(problem, &residuals),
             differences: differences(problem, &found.class),
             stages: stages(found),
-            subjects: found
-                .best
-                .terms
-                .iter()
-                .map(|term| term.phrase(context))
-                .collect(),
+            subjects: terms.map(|term| term.phrase(problem.context())).collect(),
         }
     }
 }
@@ -209,7 +200,7 @@ pub fn chosen(n: usize, most: usize) -> Vec<usize> {
 }
 
 fn postures(problem: &Problem, residuals: &Residuals) -> Vec<Posture> {
-    let data = &problem.first().data;
+    let data = problem.data();
     let dof = problem.first().model.dof();
     let of = |k: usize| {
         let measured = [0, 1].map(|axis| data.reading[2 * k + axis]);
@@ -234,23 +225,20 @@ fn foot(cells: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
 
 /// Each with each; postures that the best of them does not explain are left out.
 fn differences(problem: &Problem, class: &[Fit]) -> Vec<Vec<f64>> {
-    let class: Vec<&Fit> = class.iter().filter(|f| !f.terms.is_empty()).collect();
-    let errors: Vec<Vec<f64>> = class
-        .iter()
-        .map(|fit| held_out::errors_of(problem, fit, None))
-        .collect();
-    let Some(best) = class.first() else {
+    let mut class = class.iter().filter(|f| !f.terms.is_empty()).peekable();
+    let Some(best) = class.peek() else {
         return Vec::new();
     };
     let apart = held_out::apart(problem, best);
+    let errors = class.map(|fit| held_out::errors_of(problem, fit, None));
+    let errors: Vec<Vec<f64>> = errors.collect();
     let between = |a: &[f64], b: &[f64]| {
         let entries = a.iter().zip(b).zip(&problem.first().weight).enumerate();
         let kept = entries.filter(|(row, _)| !apart[row / 2]);
         rms(kept.map(|(_, ((a, b), w))| (a - b) * w))
     };
-    errors
-        .iter()
-        .map(|a| errors.iter().map(|b| between(a, b)).collect())
+    let rows = errors.iter();
+    rows.map(|a| errors.iter().map(|b| between(a, b)).collect())
         .collect()
 }
 
@@ -268,10 +256,11 @@ fn stages(found: &Explained) -> Vec<Stage> {
         stages.push(stage("masses within the prior", masses, StageKind::Better));
     }
     for step in &said.steps {
+        let effect = step.effect.replace('_', " ");
         let name = match step.target.as_str() {
-            "-" => format!("+ {}", step.effect.replace('_', " ")),
-            Target::ALL_JOINTS => format!("+ {} of every joint", step.effect.replace('_', " ")),
-            target => format!("+ {} {target}", step.effect.replace('_', " ")),
+            "-" => format!("+ {effect}"),
+            Target::ALL_JOINTS => format!("+ {effect} of every joint"),
+            target => format!("+ {effect} {target}"),
         };
         stages.push(stage(&name, step.rmse_after, StageKind::Better));
     }

@@ -75,8 +75,8 @@ pub struct Regions {
 
 impl Regions {
     pub(super) fn of(problem: &Problem, residuals: &Residuals) -> Regions {
-        let reading = &problem.first().data.reading;
-        let kept: Vec<usize> = (0..problem.first().data.len())
+        let reading = &problem.data().reading;
+        let kept: Vec<usize> = (0..problem.data().len())
             .filter(|&k| !residuals.outlier[k])
             .collect();
         let ends = [0, 1].map(|axis| {

@@ -54,7 +54,7 @@ pub(super) fn predicted(
         .iter()
         .filter_map(|&at| Some((&best.terms[at], change(problem, best, at)?)));
     let both = steps.flat_map(|(term, change)| {
-        let subject = term.phrase(&problem.first().context);
+        let subject = term.phrase(problem.context());
         [0, 1].map(|axis| panel(subject.clone(), axis, &change, residuals))
     });
     both.collect()
@@ -191,7 +191,7 @@ pub(super) fn strongest(
             _ => false,
         })
     };
-    let (data, context) = (&problem.first().data, &problem.first().context);
+    let (data, context) = (problem.data(), problem.context());
     let (n, dofs) = (data.len(), &context.robot.tree.dofs);
     // By joint, posture by posture, `width` apart.
     let (all, width) = match quantity {
