@@ -251,24 +251,23 @@ pub(super) fn proposed(
         let q = candidates(problem, model, robot, folder)?;
         Some((first.on(model), q))
     });
-    // When the robot is turned anyway, more informative postures cost nothing more.
     let fresh = fresh.as_deref();
-    let mut trials = vec![(Experiment::Turned, first, fresh)];
-    if fresh.is_some() {
-        trials.insert(0, (Experiment::Postures, first, fresh));
-    }
-    let same = [
-        Experiment::Untouched,
-        Experiment::KnownWeight,
-        Experiment::BothSides,
-        Experiment::RawCells,
+    let here = [
+        (Experiment::Postures, first, fresh),
+        // When the robot is turned anyway, more informative postures cost nothing more.
+        (Experiment::Turned, first, fresh),
+        (Experiment::Untouched, first, None),
+        (Experiment::KnownWeight, first, None),
+        (Experiment::BothSides, first, None),
+        (Experiment::RawCells, first, None),
     ];
-    let same = same.into_iter();
-    let same = same.filter(|experiment| makes_sense(*experiment, problem, found));
-    trials.extend(same.map(|experiment| (experiment, first, None)));
-    if let Some((on, q)) = &on_other {
-        trials.push((Experiment::OtherFoot, on, Some(q)));
-    }
+    let there = on_other.as_ref();
+    let there = there.map(|(on, q)| (Experiment::OtherFoot, on, Some(&q[..])));
+    let trials = here.into_iter().chain(there);
+    let trials = trials.filter(|(experiment, _, q)| match experiment {
+        Experiment::Postures => q.is_some(),
+        _ => makes_sense(*experiment, problem, found),
+    });
     let mut all: Vec<Proposed> = Vec::new();
     for (experiment, on, q) in trials {
         let mut trial = Trial::new(experiment, problem, on, q);

@@ -234,10 +234,8 @@ impl<'m> Problem<'m> {
 
     /// Rows per independent one, of the block and axis that have fewest.
     pub(super) fn rows_per_sample(&self) -> f64 {
-        self.blocks
-            .iter()
-            .map(Block::rows_per_sample)
-            .fold(1.0, f64::max)
+        let of_blocks = self.blocks.iter().map(Block::rows_per_sample);
+        of_blocks.fold(1.0, f64::max)
     }
 
     /// The noise of each axis of a block is `factors` times as large, and its readings are not
@@ -326,15 +324,10 @@ impl<'m> Problem<'m> {
     pub(super) fn penalty(&self, terms: &[Term]) -> f64 {
         let readings = self.height() as f64;
         let kinds = self.targets.len() + hypothesis::MODEL_PAGES.len();
-        let targets = |term: &Term| match term.effect() {
-            Some(instance) => *self.targets.get(&instance.effect.id()).unwrap_or(&1),
-            None => 1,
-        };
+        let targets = |term: &Term| self.targets.get(&term.effect()?.effect.id()).copied();
         let of = |term: &Term| {
-            let weight = match self.target_weights.get(term) {
-                Some(weight) => *weight,
-                None => 1.0 / targets(term) as f64,
-            };
+            let own = self.target_weights.get(term).copied();
+            let weight = own.unwrap_or_else(|| 1.0 / targets(term).unwrap_or(1) as f64);
             let unknowns = term.penalised_unknowns(self.context());
             unknowns as f64 * readings.ln() + 2.0 * (kinds as f64 / weight).ln()
         };
@@ -386,14 +379,13 @@ impl<'m> Problem<'m> {
         outliers: Option<&Outliers>,
         keep: Option<&[bool]>,
     ) -> Weighting<'_> {
-        let mut root = match (outliers, keep) {
-            (Some(outliers), keep) => Some(outliers.root_weights(keep)),
-            (None, Some(keep)) => Some(
-                keep.iter()
-                    .flat_map(|k| [f64::from(u8::from(*k)); 2])
-                    .collect(),
-            ),
-            (None, None) => None,
+        let kept = |keep: &[bool]| -> Vec<f64> {
+            let roots = keep.iter().flat_map(|k| [f64::from(u8::from(*k)); 2]);
+            roots.collect()
+        };
+        let mut root = match outliers {
+            Some(outliers) => Some(outliers.root_weights(keep)),
+            None => keep.map(kept),
         };
         root.iter_mut()
             .for_each(|root| root.resize(self.height(), 1.0));

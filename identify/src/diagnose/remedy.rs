@@ -128,12 +128,11 @@ impl Remedy {
         }
         self.servo_zero = change(old.zero, new.zero);
         self.servo_sign = change(old.sign, new.sign);
-        match (old.step, new.step) {
-            (Step::TicksPerTurn(a), Step::TicksPerTurn(b)) => self.servo_resolution = change(a, b),
-            (Step::MetresPerTick(a), Step::MetresPerTick(b)) => {
-                self.servo_metres_per_tick = change(a, b);
-            }
-            _ => {}
+        if let (Step::TicksPerTurn(a), Step::TicksPerTurn(b)) = (old.step, new.step) {
+            self.servo_resolution = change(a, b);
+        }
+        if let (Step::MetresPerTick(a), Step::MetresPerTick(b)) = (old.step, new.step) {
+            self.servo_metres_per_tick = change(a, b);
         }
     }
 }
@@ -208,9 +207,8 @@ fn of_term(problem: &Problem, term: &Term, values: &[f64], description: &Descrip
             let (effect, target) = (instance.effect, &instance.target);
             let parameters = effect.parameters(context, target);
             let value = |name: &str| {
-                let mut pairs = parameters.iter().zip(values);
-                let found = pairs.find(|(parameter, _)| parameter.name == name);
-                found.map_or(0.0, |(_, value)| *value)
+                let place = parameters.iter().position(|own| own.name == name);
+                place.map_or(0.0, |place| values[place])
             };
             let edited = edited(description, effect, (&context.name_of(target), &value), 1.0);
             let change = edited.map(|text| changed(&description.text, &text));

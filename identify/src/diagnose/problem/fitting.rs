@@ -44,10 +44,9 @@ impl Problem<'_> {
                 Some(own) => vec![own.to_vec()],
                 None => term.starts(self.context()),
             };
-            let longer = |before: &Vec<f64>| -> Vec<Vec<f64>> {
-                own.iter()
-                    .map(|own| [before.as_slice(), own].concat())
-                    .collect()
+            let longer = |before: &Vec<f64>| {
+                let longer = own.iter().map(|own| [&before[..], own].concat());
+                longer.collect::<Vec<_>>()
             };
             starts = starts.iter().flat_map(longer).collect();
         }
@@ -82,10 +81,8 @@ impl Problem<'_> {
             }
             let held = (sides.as_deref(), outliers.as_ref());
             let next = self.descend(terms, unknowns.clone(), held, keep);
-            let done = match &fit {
-                Some(before) => (before.objective - next.objective).abs() < SETTLED,
-                None => false,
-            };
+            let is_near = |fit: &Fit| (fit.objective - next.objective).abs() < SETTLED;
+            let done = fit.as_ref().is_some_and(is_near);
             unknowns = next.unknowns.clone();
             let better = fit.as_ref().is_none_or(|f| next.objective < f.objective);
             if better || outlying {
@@ -110,35 +107,25 @@ impl Problem<'_> {
         (sides, outliers): (Option<&[Sides]>, Option<&Outliers>),
         keep: Option<&[bool]>,
     ) -> Fit {
-        let contexts = match sides {
-            Some(sides) => sides
-                .iter()
-                .map(|own| own.posture_context[..].into())
-                .collect(),
-            None => self.posture_contexts(None),
-        };
+        let contexts = sides.map(|sides| {
+            let contexts = sides.iter().map(|own| own.posture_context[..].into());
+            contexts.collect()
+        });
+        let contexts = contexts.unwrap_or_else(|| self.posture_contexts(None));
+        let sides = sides.unwrap_or_default();
         let weighting = self.weighting(terms, outliers, keep);
         let scales = self.scales(terms);
         let expand = |unknowns| self.state(terms, unknowns, &contexts, &weighting);
         let state = damped::minimise(expand(start), &scales, expand);
         let covariance = self.covariance(&state, &scales, &weighting);
         let mut objective = state.value + weighting.masses.log_det - self.masses(&[]).log_det;
-        objective += sides
-            .iter()
-            .copied()
-            .flatten()
-            .map(|own| own.penalty)
-            .sum::<f64>();
+        objective += sides.iter().map(|own| own.penalty).sum::<f64>();
         if let Some(outliers) = outliers {
             let residual = self.first().readings_of(&state.there[0]);
             objective = outliers.objective(residual, keep, objective);
         }
         let mut blocks = state.there;
-        let settled = blocks
-            .iter_mut()
-            .zip(&self.blocks)
-            .zip(sides.unwrap_or_default());
-        for ((own, block), sides) in settled {
+        for ((own, block), sides) in blocks.iter_mut().zip(&self.blocks).zip(sides) {
             own.sides = Some(block.sides_of(&sides.posture_context));
             own.flipped.clone_from(&sides.flipped);
         }
@@ -202,10 +189,8 @@ impl Problem<'_> {
     }
 
     pub fn scales(&self, terms: &[Term]) -> Vec<f64> {
-        terms
-            .iter()
-            .flat_map(|term| term.scales(self.context()))
-            .collect()
+        let scales = terms.iter().flat_map(|term| term.scales(self.context()));
+        scales.collect()
     }
 
     /// What terms predict of every block at joint positions `q`, those of the log unless given.
