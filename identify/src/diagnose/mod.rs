@@ -33,7 +33,6 @@ mod wiring;
 #[doc(hidden)]
 pub mod words;
 
-pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};
 pub(crate) use criteria::TOLD_APART;
 pub use criteria::{CLASS_SCORE, FLOOR_M, OVER_NOTHING};
 pub use experiment::NextLog;
