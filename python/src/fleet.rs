@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use serde::de::DeserializeOwned;
 use sesc::report::fleet as report;
 use sesc_identify::fleet::summary::{Summary, summary};
-use sesc_identify::fleet::{self, Fleet, Group, Input, Options, Request, Store};
+use sesc_identify::fleet::{self, Fleet, Group, Options, Request, Store};
 use sesc_identify::robot;
 
 use crate::calls::{Stopped, checked, detached, watched};
@@ -48,7 +48,7 @@ pub fn fleet_groups(
     detached(py, || {
         let mut inputs = fleet::inputs(&data, &by).during(Doing::Log)?;
         for (path, said) in table {
-            let input = Input::new(path, &said, &by);
+            let input = Group::of_log(path, &said, &by);
             inputs.push(input.during(Doing::Fit)?);
         }
         fleet::groups(&inputs).iter().map(compact).collect()

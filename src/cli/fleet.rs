@@ -125,7 +125,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
     }
     fleet::check_table(&arguments.out)?;
     let inputs = fleet::inputs(&arguments.data, &arguments.by)?;
-    let logs: Vec<PathBuf> = inputs.iter().map(|input| input.path.clone()).collect();
+    let logs: Vec<PathBuf> = inputs.iter().flat_map(|input| input.logs.clone()).collect();
     let urdfs = inputs.iter().filter_map(|input| input.urdf.as_ref());
     let names: BTreeSet<&str> = inputs.iter().map(|input| input.robot.as_str()).collect();
     let pages_of = |page: &PathBuf| -> Vec<PathBuf> {
@@ -206,7 +206,7 @@ fn write_pages(
     Ok(())
 }
 
-fn request(arguments: &Arguments, inputs: &[fleet::Input]) -> Result<fleet::Request, Error> {
+fn request(arguments: &Arguments, inputs: &[fleet::Group]) -> Result<fleet::Request, Error> {
     let feet = Feet::from(&arguments.feet);
     let mut options = Options::default();
     let (standing, reading) = (&arguments.robot.standing, &arguments.how.reading);

@@ -17,7 +17,9 @@
 //! has that name, and its row says so.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::io::{BufRead as _, BufReader, Read as _};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
@@ -37,15 +39,15 @@ const ASIDE: [&str; 3] = [".toml", ".urdf", ".xacro"];
 const WEEK: &str = "week";
 const DAY: &str = "day";
 
-/// A log with what it belongs to.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+/// Logs of one robot on one day, with one URDF.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[non_exhaustive]
-pub struct Input {
-    /// The log.
-    pub path: PathBuf,
-    /// Its robot.
+pub struct Group {
+    /// The logs, sorted; a path that was given twice is here once.
+    pub logs: Vec<PathBuf>,
+    /// The robot.
     pub robot: String,
-    /// Its day.
+    /// The day; empty where logs are grouped by robot alone.
     pub day: String,
     /// The URDF, where it is not the fleet's.
     pub urdf: Option<PathBuf>,
@@ -53,59 +55,58 @@ pub struct Input {
     pub support: Option<String>,
 }
 
-impl Input {
-    /// A log with its keys from what is said of it (keys, `urdf`, `support`), from its folders
-    /// and its name. The last of `by` is the day, those before it the robot; `week` is the ISO
-    /// week of `day`, `2031-W18`, where nothing says it.
+impl Group {
+    /// The group of one log, by what is said of it (keys, `urdf`, `support`), by its folders and
+    /// its name. The last of `by` is the day, those before it the robot; `week` is the ISO week
+    /// of `day`, `2031-W18`, where nothing says it.
     ///
     /// # Errors
     /// Where a week is asked for and the day is no date, and of an address such as `s3://…`.
-    pub fn new(
+    pub fn of_log(
         path: PathBuf,
         said: &BTreeMap<String, String>,
         by: &[String],
-    ) -> Result<Input, Error> {
+    ) -> Result<Group, Error> {
         check_is_here(&path)?;
         let folders = partitions(&path);
         // An empty cell of a manifest says nothing.
         let told = |key: &str| said.get(key).filter(|text| !text.is_empty()).cloned();
         let known = |key: &str| told(key).or_else(|| folders.get(key).cloned());
-        let is_of_day = |key: &String| key == WEEK && known(WEEK).is_none();
+        let is_of_day = |key: &str| key == WEEK && known(WEEK).is_none();
         let value = |key: &String| known(if is_of_day(key) { DAY } else { key });
-        let mut keys: Vec<Option<String>> = by.iter().map(value).collect();
+        let values: Vec<Option<String>> = by.iter().map(value).collect();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let without = |end: &&str| name.strip_suffix(*end);
         let stem = ENDINGS.iter().find_map(without).unwrap_or(&name);
-        let missing = keys.iter().filter(|key| key.is_none()).count();
+        let missing = values.iter().filter(|value| value.is_none()).count();
         // A name of more parts than keys has them in the first.
-        let mut parts: Vec<&str> = match missing {
-            0 => Vec::new(),
-            count => stem.rsplitn(count, '_').collect(),
-        };
-        for key in keys.iter_mut().filter(|key| key.is_none()) {
-            *key = Some(parts.pop().unwrap_or_default().to_string());
-        }
-        let mut keys: Vec<String> = keys.into_iter().flatten().collect();
-        for (key, text) in by.iter().zip(&mut keys).filter(|(key, _)| is_of_day(key)) {
-            *text = iso_week(text).ok_or_else(|| {
+        let mut parts: Vec<&str> = stem.rsplitn(missing, '_').collect();
+        let mut keys = Vec::new();
+        for (key, value) in by.iter().zip(values) {
+            let text = value.unwrap_or_else(|| parts.pop().unwrap_or_default().to_string());
+            let no_date = || {
                 Error::request(format!(
                     "`{key}` is the ISO week of a day, and the day of {} is `{}`; give dates such \
                      as 2031-05-01",
                     visible(&path.display().to_string()),
-                    visible(text)
+                    visible(&text)
                 ))
-            })?;
+            };
+            keys.push(if is_of_day(key) {
+                iso_week(&text).ok_or_else(no_date)?
+            } else {
+                text
+            });
         }
-        let mut day = String::new();
-        if keys.len() > 1 {
-            day = keys.pop().unwrap_or_default();
-        }
-        Ok(Input {
+        let day = (keys.len() > 1).then(|| keys.pop()).flatten();
+        Ok(Group {
             robot: keys.join("/"),
-            day,
-            urdf: told("urdf").map_or_else(|| urdf_beside(&path), |urdf| Some(urdf.into())),
+            day: day.unwrap_or_default(),
+            urdf: told("urdf")
+                .map(PathBuf::from)
+                .or_else(|| urdf_beside(&path)),
             support: told("support"),
-            path,
+            logs: vec![path],
         })
     }
 }
@@ -135,18 +136,17 @@ fn unescaped(text: &str) -> String {
 
 /// `robot.urdf` beside a log, or in a folder above as long as folders are `name=value`.
 fn urdf_beside(path: &Path) -> Option<PathBuf> {
-    let mut folder = path.parent()?;
-    loop {
-        let urdf = folder.join("robot.urdf");
-        if urdf.is_file() {
-            return Some(urdf);
-        }
-        let name = folder.file_name()?.to_str()?;
-        folder = folder.parent().filter(|_| name.contains('='))?;
-        if !folder.file_name()?.to_str()?.contains('=') {
-            return None;
-        }
-    }
+    let is_key = |folder: &&Path| {
+        let name = folder.file_name().and_then(OsStr::to_str);
+        name.is_some_and(|name| name.contains('='))
+    };
+    let beside = path.parent()?;
+    let above = beside.ancestors().take_while(is_key).skip(1);
+    let mut urdfs = [beside]
+        .into_iter()
+        .chain(above)
+        .map(|folder| folder.join("robot.urdf"));
+    urdfs.find(|urdf| urdf.is_file())
 }
 
 /// `2031-W18` of a date: `2031-05-01`, `20310501`, also with a time of the day behind it.
@@ -155,29 +155,27 @@ fn iso_week(day: &str) -> Option<String> {
         Some((date, time)) if time.starts_with(|c: char| c.is_ascii_digit()) => date,
         _ => day,
     };
-    let dashes = date.len() == 10 && date.get(4..5) == Some("-") && date.get(7..8) == Some("-");
-    let digits = if dashes {
-        date.replace('-', "")
-    } else {
-        date.to_string()
+    let digits = match date.split('-').map(str::len).collect::<Vec<_>>()[..] {
+        [4, 2, 2] => date.replace('-', ""),
+        _ => date.to_string(),
     };
     if digits.len() != 8 || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
         return None;
     }
-    let number = |from: usize, to: usize| digits[from..to].parse::<usize>().ok();
-    let (year, month, day) = (number(0, 4)?, number(4, 6)?, number(6, 8)?);
-    let is_leap = year % 4 == 0 && year % 100 != 0 || year % 400 == 0;
-    let february = 28 + usize::from(is_leap);
-    let months = [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
-    let length = *months.get(month.checked_sub(1)?)?;
-    if year == 0 || day == 0 || day > length {
-        return None;
-    }
-    // Days from Monday, 0001-01-01, to the first of a year, and to this one.
+    let number = |of: Range<usize>| digits[of].parse::<usize>().ok();
+    let year = number(0..4).filter(|year| *year > 0)?;
+    let (month, day) = (number(4..6)?, number(6..8)?);
+    // Days from Monday, 0001-01-01, to the first of a year.
     let before = |year: usize| {
         let years = year - 1;
         365 * years + years / 4 - years / 100 + years / 400
     };
+    let february = before(year + 1) - before(year) - 337;
+    let months = [31, february, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+    let length = *months.get(month.checked_sub(1)?)?;
+    if day == 0 || day > length {
+        return None;
+    }
     let days = before(year) + months[..month - 1].iter().sum::<usize>() + day - 1;
     // A week belongs to the year of its Thursday.
     let thursday = days - days % 7 + 3;
@@ -197,12 +195,12 @@ fn check_is_here(path: &Path) -> Result<(), Error> {
     )))
 }
 
-/// All logs that `data` names. The last of `by` is the day, those before it the robot.
+/// All logs that `data` names, each a group of its own. The last of `by` is the day, those before it the robot.
 ///
 /// # Errors
 /// A pattern or file that names nothing, lists that cannot be read, addresses of object stores,
 /// and days without a week where that is asked for.
-pub fn inputs(data: &[String], by: &[String]) -> Result<Vec<Input>, Error> {
+pub fn inputs(data: &[String], by: &[String]) -> Result<Vec<Group>, Error> {
     if by.is_empty() || by.iter().any(|key| key.trim().is_empty()) {
         return Err(Error::request("no key to group logs by; give robot,day"));
     }
@@ -211,16 +209,18 @@ pub fn inputs(data: &[String], by: &[String]) -> Result<Vec<Input>, Error> {
         let path = Path::new(item);
         let is_list = item.ends_with(".txt") || item.ends_with(".list");
         check_is_here(path)?;
-        if is_list && path.is_file() {
+        let paths: Vec<PathBuf> = if is_list && path.is_file() {
             let text = read_list(path)?;
             let lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
-            for line in lines.filter(|line| !line.is_empty() && !line.starts_with('#')) {
-                found.push(Input::new(beside(path, line), &BTreeMap::new(), by)?);
-            }
-        } else if !manifest(path, by, &mut found)? {
-            for path in expanded(item)? {
-                found.push(Input::new(path, &BTreeMap::new(), by)?);
-            }
+            let lines = lines.filter(|line| !line.is_empty() && !line.starts_with('#'));
+            lines.map(|line| beside(path, line)).collect()
+        } else if manifest(path, by, &mut found)? {
+            continue;
+        } else {
+            expanded(item)?
+        };
+        for path in paths {
+            found.push(Group::of_log(path, &BTreeMap::new(), by)?);
         }
     }
     found.sort();
@@ -238,7 +238,7 @@ fn beside(list: &Path, text: &str) -> PathBuf {
 }
 
 /// Take over the logs of a manifest; whether the file is one: a log has no column `path`.
-fn manifest(path: &Path, by: &[String], found: &mut Vec<Input>) -> Result<bool, Error> {
+fn manifest(path: &Path, by: &[String], found: &mut Vec<Group>) -> Result<bool, Error> {
     // Opening a pipe would block.
     if path.extension().is_none_or(|end| end != "csv") || !path.is_file() {
         return Ok(false);
@@ -261,13 +261,9 @@ fn manifest(path: &Path, by: &[String], found: &mut Vec<Input>) -> Result<bool, 
     if !names.any(|name| ours(name) == Some(&"path")) {
         return Ok(false);
     }
-    let file = path.display().to_string();
     let bad = |line: Option<&csv::Position>, what: &str| {
-        Error::log(
-            file.clone(),
-            line.map(csv::Position::line),
-            what.to_string(),
-        )
+        let file = path.display().to_string();
+        Error::log(file, line.map(csv::Position::line), what)
     };
     let uneven = |error: csv::Error| {
         let what = "is no manifest: a row has more or fewer fields than the header";
@@ -277,21 +273,20 @@ fn manifest(path: &Path, by: &[String], found: &mut Vec<Input>) -> Result<bool, 
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .delimiter(between)
-        .from_reader(text.trim_start_matches('\u{feff}').as_bytes());
+        .from_reader(text.as_bytes());
     let header = reader.headers().map_err(uneven)?.clone();
     for record in reader.records() {
         let record = record.map_err(uneven)?;
-        let fields = header.iter().zip(&record);
-        let said =
-            fields.filter_map(|(name, text)| Some((ours(name)?.to_string(), text.to_string())));
-        let mut said: BTreeMap<String, String> = said.collect();
+        let known = |(name, text): (&str, &str)| Some((ours(name)?.to_string(), text.to_string()));
+        let fields = header.iter().zip(&record).filter_map(known);
+        let mut said: BTreeMap<String, String> = fields.collect();
         let log = said.remove("path").filter(|log| !log.is_empty());
         let nothing = "this row of the manifest has no path";
         let log = log.ok_or_else(|| bad(record.position(), nothing))?;
         if let Some(urdf) = said.get_mut("urdf").filter(|urdf| !urdf.is_empty()) {
             *urdf = beside(path, urdf).display().to_string();
         }
-        found.push(Input::new(beside(path, &log), &said, by)?);
+        found.push(Group::of_log(beside(path, &log), &said, by)?);
     }
     Ok(true)
 }
@@ -305,41 +300,39 @@ fn expanded(item: &str) -> Result<Vec<PathBuf>, Error> {
         let name = path.to_string_lossy();
         ends.iter().any(|end| name.ends_with(end))
     };
+    let is_plain = |part: &str| !part.contains(['*', '?', '[']);
     let mut found = Vec::new();
-    if path.is_dir() {
+    let missed = if path.is_dir() {
         let all = ["**", "*"].map(|part| Pattern::new(part).unwrap_or_default());
         walk(path, &all, &mut found).map_err(failed)?;
         found.retain(|path| ends(path, &ENDINGS));
-        if found.is_empty() {
-            let ends = ENDINGS.join(", ");
-            return Err(wrong(format!("no log in this folder; logs end in {ends}")));
-        }
-        return Ok(found);
-    }
-    let is_plain = |part: &str| !part.contains(['*', '?', '[']);
-    if is_plain(item) || path.exists() {
+        let ends = ENDINGS.join(", ");
+        format!("no log in this folder; logs end in {ends}")
+    } else if is_plain(item) || path.exists() {
         // What cannot be read is the error of its row.
         return Ok(vec![path.to_path_buf()]);
-    }
-    let parts = path.components().map(|part| part.as_os_str().to_str());
-    let parts: Vec<&str> = parts.map(Option::unwrap_or_default).collect();
-    let plain = parts.iter().take_while(|part| is_plain(part)).count();
-    let root: PathBuf = parts[..plain].iter().collect();
-    let rest: Result<Vec<Pattern>, _> = parts[plain..].iter().map(|p| Pattern::new(p)).collect();
-    let rest = rest.map_err(|error| wrong(error.to_string()))?;
-    let folder = if plain == 0 { Path::new(".") } else { &root };
-    if folder.is_dir() {
-        walk(folder, &rest, &mut found).map_err(failed)?;
-    }
-    found.retain(|path| !ends(path, &ASIDE));
-    if plain == 0 {
-        for path in &mut found {
-            *path = path.strip_prefix(".").unwrap_or(path).to_path_buf();
+    } else {
+        let parts = path.components().map(|part| part.as_os_str().to_str());
+        let parts: Vec<&str> = parts.map(Option::unwrap_or_default).collect();
+        let plain = parts.iter().take_while(|part| is_plain(part)).count();
+        let rest: Result<Vec<Pattern>, _> =
+            parts[plain..].iter().map(|p| Pattern::new(p)).collect();
+        let rest = rest.map_err(|error| wrong(error.to_string()))?;
+        let root: PathBuf = parts[..plain].iter().collect();
+        let folder = if plain == 0 { Path::new(".") } else { &root };
+        if folder.is_dir() {
+            walk(folder, &rest, &mut found).map_err(failed)?;
         }
-    }
+        if plain == 0 {
+            for path in &mut found {
+                *path = path.strip_prefix(".").unwrap_or(path).to_path_buf();
+            }
+        }
+        found.retain(|path| !ends(path, &ASIDE));
+        "no file has such a name; quote the pattern, so that the shell leaves it alone".to_string()
+    };
     if found.is_empty() {
-        let what = "no file has such a name; quote the pattern, so that the shell leaves it alone";
-        return Err(wrong(what.to_string()));
+        return Err(wrong(missed));
     }
     Ok(found)
 }
@@ -374,22 +367,6 @@ fn walk(folder: &Path, rest: &[Pattern], found: &mut Vec<PathBuf>) -> io::Result
     Ok(())
 }
 
-/// Logs of one robot on one day, with one URDF.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[non_exhaustive]
-pub struct Group {
-    /// The robot.
-    pub robot: String,
-    /// The day; empty where logs are grouped by robot alone.
-    pub day: String,
-    /// The URDF, where it is not the fleet's.
-    pub urdf: Option<PathBuf>,
-    /// The logs, sorted; a path that was given twice is here once.
-    pub logs: Vec<PathBuf>,
-    /// Link on the ground, where the manifest says it.
-    pub support: Option<String>,
-}
-
 /// The groups of all inputs, sorted by robot, day and URDF. What a terminal would obey in the
 /// name of a folder is spelled out (`\u{1b}`), for the name goes into tables and pages.
 ///
@@ -409,21 +386,21 @@ pub struct Group {
 /// # std::fs::remove_dir_all(&folder).unwrap();
 /// # Ok::<(), sesc_identify::Error>(())
 /// ```
-pub fn groups(inputs: &[Input]) -> Vec<Group> {
+pub fn groups(inputs: &[Group]) -> Vec<Group> {
     let mut found: BTreeMap<_, Vec<PathBuf>> = BTreeMap::new();
     for input in inputs.iter().cloned() {
         let names = (visible(&input.robot), visible(&input.day));
         let key = (names, input.urdf, input.support);
-        found.entry(key).or_default().push(input.path);
+        found.entry(key).or_default().extend(input.logs);
     }
     let group = |(((robot, day), urdf, support), mut logs): (_, Vec<PathBuf>)| {
         logs.sort();
         logs.dedup();
         Group {
+            logs,
             robot,
             day,
             urdf,
-            logs,
             support,
         }
     };
@@ -440,7 +417,7 @@ mod tests {
     }
 
     fn keys(path: &str, by: &[String]) -> (String, String) {
-        let input = Input::new(PathBuf::from(path), &BTreeMap::new(), by).unwrap();
+        let input = Group::of_log(PathBuf::from(path), &BTreeMap::new(), by).unwrap();
         (input.robot, input.day)
     }
 
@@ -487,11 +464,11 @@ mod tests {
             assert_eq!(keys(path, &weeks), ("17".into(), week.into()), "{path}");
         }
         let said = [("day".to_string(), "2031-05-01".to_string())].into();
-        let input = Input::new("17.csv".into(), &said, &weeks).unwrap();
+        let input = Group::of_log("17.csv".into(), &said, &weeks).unwrap();
         assert_eq!((&*input.robot, &*input.day), ("17", "2031-W18"));
         for name in ["17_monday", "17", "17_2031-02-29", "17_12", "17_ä031-5-1"] {
             let path = format!("{name}.csv").into();
-            let said = Input::new(path, &BTreeMap::new(), &weeks).unwrap_err();
+            let said = Group::of_log(path, &BTreeMap::new(), &weeks).unwrap_err();
             says(said, &["2031-05-01"]);
         }
     }
@@ -561,7 +538,7 @@ mod tests {
         }
         let names = |item: &str| -> Vec<String> {
             let found = inputs(&[item.to_string()], &by(&["robot", "day"])).unwrap();
-            let names = found.iter().map(|input| input.path.file_name().unwrap());
+            let names = found.iter().map(|input| input.logs[0].file_name().unwrap());
             names
                 .map(|name| name.to_string_lossy().into_owned())
                 .collect()
@@ -617,8 +594,8 @@ mod tests {
 
     #[test]
     fn names_of_folders_tell_a_terminal_nothing() {
-        let input = |robot: &str, day: &str| Input {
-            path: PathBuf::from(format!("{robot}/{day}.csv")),
+        let input = |robot: &str, day: &str| Group {
+            logs: vec![PathBuf::from(format!("{robot}/{day}.csv"))],
             robot: robot.to_string(),
             day: day.to_string(),
             urdf: None,
@@ -628,7 +605,7 @@ mod tests {
         let names: Vec<_> = found.iter().map(|g| (&*g.robot, &*g.day)).collect();
         let spelled = ("r\\u{1b}]0;owned\\u{7}", "mon\\u{a}day");
         assert_eq!(names, [("r17", ""), spelled]);
-        let path = input("r\u{1b}]0;owned\u{7}", "mon\nday").path;
-        assert_eq!(found[1].logs, [path]);
+        let logs = input("r\u{1b}]0;owned\u{7}", "mon\nday").logs;
+        assert_eq!(found[1].logs, logs);
     }
 }

@@ -71,13 +71,12 @@ impl Log {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             Error::read(visible(&name), error)
         };
-        let bytes = files::read_found(path, 1 << 24);
-        let bytes = bytes.map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound if path.to_string_lossy().contains('\u{fffd}') => failed(
-                path,
-                io::Error::other("its name is no text in UTF-8; give it another name"),
-            ),
-            _ => failed(path, error),
+        let bytes = files::read_found(path, 1 << 24).map_err(|mut error| {
+            let is_text = !path.to_string_lossy().contains('\u{fffd}');
+            if !is_text && error.kind() == io::ErrorKind::NotFound {
+                error = io::Error::other("its name is no text in UTF-8; give it another name");
+            }
+            failed(path, error)
         })?;
         for beside in Sidecar::paths(path) {
             match files::read_found_text(&beside, files::SIDECAR) {
@@ -112,12 +111,11 @@ pub(super) fn read_urdf(path: &Path) -> Result<Robot, Error> {
 /// is kept.
 pub(super) fn each_once(logs: &[Log]) -> Vec<Log> {
     let mut logs = logs.to_vec();
-    logs.sort_by_cached_key(|log| {
-        (
-            log.hash.clone(),
-            log.sidecar.is_empty(),
-            log.sidecar.clone(),
-        )
+    logs.sort_by(|a, b| {
+        let sidecar = |log: &Log| (log.sidecar.is_empty(), log.sidecar.clone());
+        a.hash
+            .cmp(&b.hash)
+            .then_with(|| sidecar(a).cmp(&sidecar(b)))
     });
     logs.dedup_by(|a, b| a.hash == b.hash);
     logs

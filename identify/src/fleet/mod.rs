@@ -34,7 +34,7 @@ use crate::fit::MotionModel;
 use crate::logs::Angles;
 
 pub use evaluate::row;
-pub use inputs::{Group, Input, groups, inputs};
+pub use inputs::{Group, groups, inputs};
 #[doc(hidden)]
 pub use log::content_hash;
 pub use log::{Failed, Log, Store};

@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Options;
 use super::inputs::Group;
-use super::row::{Row, by_number};
+use super::row::Row;
 use super::summary::ROBOTS;
 use crate::Error;
 use crate::diagnose::FREE_MASSES;
@@ -119,10 +119,8 @@ pub fn population(
 fn with_each_log_once(mut rows: Vec<&Row>) -> Vec<&Row> {
     rows.sort_by(|a, b| {
         let more = b.inputs.len().cmp(&a.inputs.len());
-        let robot = || by_number(&a.robot, &b.robot);
-        let day = || by_number(&a.day, &b.day);
         let rest = || (&a.support, &a.inputs).cmp(&(&b.support, &b.inputs));
-        more.then_with(robot).then_with(day).then_with(rest)
+        more.then_with(|| a.order(b)).then_with(rest)
     });
     let mut told: BTreeSet<&str> = BTreeSet::new();
     rows.retain(|row| {
@@ -133,7 +131,7 @@ fn with_each_log_once(mut rows: Vec<&Row>) -> Vec<&Row> {
         is_new
     });
     // Sums do not depend on which row has the most logs.
-    rows.sort_by(|a, b| by_number(&a.robot, &b.robot).then_with(|| by_number(&a.day, &b.day)));
+    rows.sort_by(|a, b| a.order(b));
     rows
 }
 
@@ -149,26 +147,21 @@ fn pseudo_inverse(factor: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// J = Σ_days (C_u⁻¹ − 1) and h = Σ_days C_u⁻¹ u of the rows of one robot.
 fn said(days: &[&Row], centre: &DVector<f64>, inverse: &DMatrix<f64>) -> Option<Said> {
-    let m = inverse.nrows();
-    let mut all: Option<Said> = None;
-    for row in days {
-        let of_centre = |covariance: &DMatrix<f64>| covariance.nrows() == centre.len();
-        let Some(covariance) = row.covariance().filter(of_centre) else {
-            continue;
-        };
+    let of_day = |row: &&Row| {
+        let covariance = row.covariance().filter(|own| own.nrows() == centre.len())?;
         let own = inverse * covariance * inverse.transpose();
-        let Some(precision) = own.cholesky().map(|factor| factor.inverse()) else {
-            continue;
-        };
+        let precision = own.cholesky()?.inverse();
         let u = inverse * (DVector::from_column_slice(&row.params) - centre);
-        let all = all.get_or_insert_with(|| Said {
-            information: DMatrix::zeros(m, m),
-            vector: DVector::zeros(m),
-        });
-        all.vector += &precision * u;
-        all.information += precision - DMatrix::identity(m, m);
-    }
-    all
+        let (m, _) = precision.shape();
+        Some(Said {
+            vector: &precision * u,
+            information: precision - DMatrix::identity(m, m),
+        })
+    };
+    days.iter().filter_map(of_day).reduce(|sum, day| Said {
+        information: sum.information + day.information,
+        vector: sum.vector + day.vector,
+    })
 }
 
 /// μ and Σ of the next robot.

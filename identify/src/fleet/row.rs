@@ -23,9 +23,10 @@ use crate::diagnose::{Quantity, Report, Score, Step, Verdict};
 use crate::files::{self, NewFile};
 use crate::fit::Identification;
 use crate::health::{Finding, Kind};
+use crate::observations::sample_count::SampleCount;
 
 /// A number with its standard deviation, in the unit that its name ends in.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct Size {
@@ -42,11 +43,14 @@ impl Size {
     }
 }
 
-/// What a parameter is where there is no effect, if that is not 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+/// What a parameter is where there is no effect.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Absent {
+    /// Most are 0.
+    #[default]
+    Zero,
     /// A factor is 1.
     One,
     /// A stiffness is infinite.
@@ -54,16 +58,16 @@ pub enum Absent {
 }
 
 impl Absent {
-    fn of(fitted: Fitted) -> Option<Absent> {
+    fn of(fitted: Fitted) -> Absent {
         match fitted {
-            Fitted::LessOne => Some(Absent::One),
-            Fitted::WeightOver => Some(Absent::Infinite),
-            _ => None,
+            Fitted::LessOne => Absent::One,
+            Fitted::WeightOver => Absent::Infinite,
+            _ => Absent::Zero,
         }
     }
 
     /// How far from there a size is: a factor less one, the inverse of a stiffness.
-    fn away(self, size: Size) -> Size {
+    pub(super) fn away(self, size: Size) -> Size {
         self.moved(size, -1.0)
     }
 
@@ -74,6 +78,7 @@ impl Absent {
 
     fn moved(self, Size { value, std }: Size, by: f64) -> Size {
         let (value, std) = match self {
+            Absent::Zero => (value, std),
             Absent::One => (value + by, std),
             Absent::Infinite => (1.0 / value, std / (value * value)),
         };
@@ -121,20 +126,20 @@ impl EffectFound {
         fitted: &BTreeMap<&'static str, Fitted>,
         evidence: f64,
     ) -> EffectFound {
-        let size = |q: &Quantity| Size {
-            value: q.value,
-            std: q.std,
+        let size = |(name, q): (&&str, &Quantity)| {
+            let (value, std) = (q.value, q.std);
+            (name.to_string(), Size { value, std })
         };
-        let parameters = parameters.iter();
-        let absent = |(name, fitted): (&&str, &Fitted)| {
-            let absent = Absent::of(*fitted)?;
-            Some((name.to_string(), absent))
-        };
+        let absent = fitted
+            .iter()
+            .map(|(name, fitted)| (name.to_string(), Absent::of(*fitted)));
         EffectFound {
             effect: effect.to_string(),
             target: target.to_string(),
-            parameters: parameters.map(|(n, q)| (n.to_string(), size(q))).collect(),
-            absent: fitted.iter().filter_map(absent).collect(),
+            parameters: parameters.iter().map(size).collect(),
+            absent: absent
+                .filter(|(_, absent)| *absent != Absent::Zero)
+                .collect(),
             evidence,
         }
     }
@@ -142,49 +147,46 @@ impl EffectFound {
     /// The same, no parameter better known than this fall of χ² tells it from no effect: where a
     /// search for a size ends at its bounds, slopes there say nothing of it.
     fn known_by(mut self, chi2: f64) -> EffectFound {
-        let names: Vec<String> = self.parameters.keys().cloned().collect();
-        for name in names {
-            let away = self.away(&name);
-            if let (Some(away), Some(size)) = (away, self.parameters.get_mut(&name)) {
-                let claimed = (away.value / away.std).abs();
-                size.std *= (claimed / chi2.max(0.0).sqrt()).max(1.0);
-            }
+        for (name, size) in &mut self.parameters {
+            let away = self
+                .absent
+                .get(name)
+                .copied()
+                .unwrap_or_default()
+                .away(*size);
+            let claimed = (away.value / away.std).abs();
+            size.std *= (claimed / chi2.max(0.0).sqrt()).max(1.0);
         }
         self
     }
 
+    /// What a parameter is without the effect.
+    pub(super) fn absent(&self, parameter: &str) -> Absent {
+        self.absent.get(parameter).copied().unwrap_or_default()
+    }
+
     /// How far a parameter is from what it is without the effect.
     pub(super) fn away(&self, parameter: &str) -> Option<Size> {
-        let size = self.parameters.get(parameter).copied()?;
-        Some(match self.absent.get(parameter) {
-            Some(absent) => absent.away(size),
-            None => size,
-        })
+        let size = self.parameters.get(parameter)?;
+        Some(self.absent(parameter).away(*size))
     }
 }
 
 /// The order of robots and days: runs of digits by their number, all else as text, so that
 /// `day=9` is before `day=10`, and dates such as `2031-05-01` stay in their order.
 pub(super) fn by_number(a: &str, b: &str) -> Ordering {
-    let is_digit = |x: &u8| x.is_ascii_digit();
-    let runs = |text: &str| -> Vec<Vec<u8>> {
-        let runs = text.as_bytes().chunk_by(|x, y| is_digit(x) && is_digit(y));
-        runs.map(<[u8]>::to_vec).collect()
-    };
-    let (own, other) = (runs(a), runs(b));
-    for (x, y) in own.iter().zip(&other) {
-        let mut order = x.cmp(y);
-        if is_digit(&x[0]) && is_digit(&y[0]) {
-            let zeros = |x: &[u8]| x.iter().take_while(|digit| **digit == b'0').count();
-            let (x, y) = (&x[zeros(x)..], &y[zeros(y)..]);
-            order = x.len().cmp(&y.len()).then_with(|| x.cmp(y));
-        }
-        if order.is_ne() {
-            return order;
+    // A number is its digits without leading zeros, of which more are more.
+    fn run(run: &[u8]) -> (u8, usize, &[u8]) {
+        let zeros = run.iter().take_while(|digit| **digit == b'0').count();
+        match run[0] {
+            b'0'..=b'9' => (b'0', run.len() - zeros, &run[zeros..]),
+            other => (other, 0, &[]),
         }
     }
-    // The same but for leading zeros.
-    own.len().cmp(&other.len()).then_with(|| a.cmp(b))
+    let is_number = |x: &u8, y: &u8| x.is_ascii_digit() && y.is_ascii_digit();
+    let [a_runs, b_runs] = [a, b].map(|text| text.as_bytes().chunk_by(is_number).map(run));
+    // The same but for leading zeros are told apart by how they are written.
+    a_runs.cmp(b_runs).then_with(|| a.cmp(b))
 }
 
 /// One row of the fleet's table: a robot on a day.
@@ -273,6 +275,12 @@ impl Row {
             && self.effects.scores.iter().all(of_effect)
     }
 
+    /// The order of rows by robot and day.
+    pub(super) fn order(&self, other: &Row) -> Ordering {
+        let day = || by_number(&self.day, &other.day);
+        by_number(&self.robot, &other.robot).then_with(day)
+    }
+
     /// Whether the row says something of the robot.
     pub fn is_usable(&self) -> bool {
         self.has_result() && self.verdict != Some(Verdict::Unusable)
@@ -299,43 +307,49 @@ impl Row {
         self.error = (!errors.is_empty()).then(|| errors.join("; "));
     }
 
+    /// Take over what a fit or a diagnosis says of the data; gives what it says of a stuck encoder.
+    fn set_data(
+        &mut self,
+        postures: u64,
+        samples: &SampleCount,
+        [noise_floor, held_out_rmse]: [f64; 2],
+        health: &[Finding],
+    ) -> Option<&Finding> {
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        self.postures = postures;
+        self.independent = samples.independent as u64;
+        self.noise_floor = finite(noise_floor);
+        self.held_out_rmse = finite(held_out_rmse);
+        self.health = health.to_vec();
+        // Pictures belong to a diagnosis' own page and are not kept.
+        self.health.iter_mut().for_each(|f| f.picture = None);
+        self.health.iter().find(|f| f.kind == Kind::EncoderStuck)
+    }
+
     /// Take over what a fit says of the data, where there is no diagnosis.
     pub(super) fn fitted(&mut self, found: &Identification) {
-        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-        self.postures = found.postures;
-        self.independent = found.samples.independent as u64;
-        self.noise_floor = finite(found.noise_floor);
-        self.held_out_rmse = finite(found.held_out_rmse);
-        self.health.clone_from(&found.health);
-        self.health.iter_mut().for_each(|f| f.picture = None);
-        self.sentence = FITTED.to_string();
-        let is_stuck = |f: &Finding| f.kind == Kind::EncoderStuck;
-        if !found.is_usable() || self.health.iter().any(is_stuck) {
+        let errors = [found.noise_floor, found.held_out_rmse];
+        let stuck = self.set_data(found.postures, &found.samples, errors, &found.health);
+        if stuck.is_some() || !found.is_usable() {
             self.verdict = Some(Verdict::Unusable);
         }
+        self.sentence = FITTED.to_string();
     }
 
     /// Take over what a diagnosis says.
     pub(super) fn diagnosed(&mut self, report: &Report) {
-        let diagnosis = &report.diagnosis;
-        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-        self.support.clone_from(&diagnosis.support);
-        self.postures = diagnosis.postures as u64;
-        self.independent = diagnosis.samples.independent as u64;
-        self.noise_floor = finite(diagnosis.noise_floor);
-        self.held_out_rmse = finite(diagnosis.last.rmse);
-        self.verdict = Some(diagnosis.verdict);
-        self.sentence.clone_from(&diagnosis.sentence);
-        self.health.clone_from(&diagnosis.health);
-        // Pictures belong to a diagnosis' own page and are not kept.
-        self.health.iter_mut().for_each(|f| f.picture = None);
-        let mut stuck = self.health.iter().filter(|f| f.kind == Kind::EncoderStuck);
-        if let Some(finding) = stuck.next() {
+        let found = &report.diagnosis;
+        self.support.clone_from(&found.support);
+        let errors = [found.noise_floor, found.last.rmse];
+        let stuck = self.set_data(found.postures as u64, &found.samples, errors, &found.health);
+        if let Some(finding) = stuck {
             // One joint is not where the log says: whatever explains the rest makes up for it.
-            self.verdict = Some(Verdict::Unusable);
             self.sentence = format!("{} {STUCK}", finding.sentence);
+            self.verdict = Some(Verdict::Unusable);
             return;
         }
+        self.verdict = Some(found.verdict);
+        self.sentence.clone_from(&found.sentence);
         let step =
             |s: &Step| EffectFound::of((s.effect, &s.target), &s.parameters, &s.fitted, s.evidence);
         let score = |s: &Score| {
@@ -347,9 +361,9 @@ impl Row {
             let mut sizes = found.parameters.values();
             sizes.all(|size| size.value.is_finite() && size.std.is_finite())
         };
-        let others = diagnosis.indistinguishable.iter().skip(1);
+        let others = found.indistinguishable.iter().skip(1);
         self.effects = Effects {
-            explanation: diagnosis.steps.iter().map(step).collect(),
+            explanation: found.steps.iter().map(step).collect(),
             instead: others.cloned().collect(),
             scores: report.scores.iter().map(score).filter(is_known).collect(),
         };
@@ -413,10 +427,8 @@ pub fn cells(row: &Row) -> [Value; COLUMNS.len()] {
 /// in a sentence of its rows.
 pub(super) fn assembled(mut rows: Vec<Row>) -> Vec<Row> {
     rows.sort_by(|a, b| {
-        let urdf = |row: &Row| [&row.urdf_hash, &row.support].map(String::clone);
-        by_number(&a.robot, &b.robot)
-            .then_with(|| by_number(&a.day, &b.day))
-            .then_with(|| urdf(a).cmp(&urdf(b)))
+        let model = (&a.urdf_hash, &a.support).cmp(&(&b.urdf_hash, &b.support));
+        a.order(b).then(model)
     });
     let mut urdfs: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for row in rows.iter().filter(|row| !row.urdf_hash.is_empty()) {
@@ -500,29 +512,24 @@ mod parquet {
     /// Rows of a group.
     const GROUP: usize = 10_000;
 
-    const SCHEMA: &str = "message fleet {
-        REQUIRED BYTE_ARRAY robot (UTF8);
-        REQUIRED BYTE_ARRAY day (UTF8);
-        REQUIRED BYTE_ARRAY urdf_hash (UTF8);
-        REQUIRED BYTE_ARRAY support (UTF8);
-        REQUIRED INT64 postures;
-        REQUIRED INT64 independent;
-        OPTIONAL DOUBLE noise_floor;
-        OPTIONAL DOUBLE held_out_rmse;
-        REQUIRED BYTE_ARRAY verdict (UTF8);
-        REQUIRED BYTE_ARRAY sentence (UTF8);
-        REQUIRED BYTE_ARRAY effects (UTF8);
-        REQUIRED BYTE_ARRAY health (UTF8);
-        REQUIRED GROUP params (LIST) { REPEATED GROUP list { OPTIONAL DOUBLE element; } }
-        REQUIRED GROUP std (LIST) { REPEATED GROUP list { OPTIONAL DOUBLE element; } }
-        REQUIRED GROUP inputs (LIST) { REPEATED GROUP list { REQUIRED BYTE_ARRAY element (UTF8); } }
-        OPTIONAL BYTE_ARRAY error (UTF8);
-        REQUIRED BYTE_ARRAY version (UTF8);
-    }";
+    fn schema() -> String {
+        let list = |name: &str, element: &str| {
+            format!("REQUIRED GROUP {name} (LIST) {{ REPEATED GROUP list {{ {element}; }} }}")
+        };
+        let columns = COLUMNS.map(|name| match name {
+            "postures" | "independent" => format!("REQUIRED INT64 {name};"),
+            "noise_floor" | "held_out_rmse" => format!("OPTIONAL DOUBLE {name};"),
+            "params" | "std" => list(name, "OPTIONAL DOUBLE element"),
+            "inputs" => list(name, "REQUIRED BYTE_ARRAY element (UTF8)"),
+            "error" => format!("OPTIONAL BYTE_ARRAY {name} (UTF8);"),
+            _ => format!("REQUIRED BYTE_ARRAY {name} (UTF8);"),
+        });
+        format!("message fleet {{ {} }}", columns.concat())
+    }
 
     pub(super) fn write(path: &Path, rows: &[Row]) -> Result<(), Error> {
         let unwritten = |error: ParquetError| files::failed(path, io::Error::other(error));
-        let schema = parse_message_type(SCHEMA).map_err(unwritten)?;
+        let schema = parse_message_type(&schema()).map_err(unwritten)?;
         let properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             .build();

@@ -23,17 +23,17 @@
 //! squared differences between neighbouring days, parameter by parameter.
 
 use std::cell::OnceCell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::FisherSnedecor;
 
-use super::history::{Course, Step, freedom, steps, tail};
-use super::history::{History, Key, Said, absent, found, label, principal, said};
+use super::history::{Course, History, Key, Parameter, Step};
+use super::history::{explained, freedom, median, principal, steps, tail};
 use super::shared::one_in;
 use super::{DIFFERENCES, FALSE_ALARM, HYPOTHESES, ROBOTS, UNSEEN};
-use crate::diagnose::{subject, words::capital};
+use crate::diagnose::words::capital;
 use crate::fleet::row::{Row, Size, by_number};
 
 /// What kind of thing changed; its name in JSON is in small letters.
@@ -100,13 +100,28 @@ impl Change {
         }
     }
 
-    /// A step of a number, which is `before` it and `after` it.
+    /// A step of a number, which is `before` it and `after` it, as `say` has it in sentences.
     fn stepped(
         (course, step): (&Course, &Step),
-        (kind, target, parameter): (ChangeKind, String, String),
+        number: Number,
         [before, after]: [Option<Size>; 2],
-        what: String,
+        say: impl Fn(Option<Size>) -> String,
     ) -> Change {
+        let Number {
+            subject,
+            kind,
+            target,
+            parameter,
+            remark,
+        } = number;
+        let what = format!(
+            "{subject} changes: {} on {}, {} on {}{remark}. Chance would make it in {} fleets.",
+            say(before),
+            course.day(step.days.start - 1),
+            say(after),
+            course.day(step.days.end - 1),
+            one_in(step.chance)
+        );
         Change {
             day_interval: Some(course.days_of(step)),
             parameter: Some(parameter),
@@ -116,6 +131,16 @@ impl Change {
             ..Change::stated(course.rows[step.days.start], kind, target, what)
         }
     }
+}
+
+/// A number that changes.
+struct Number {
+    subject: String,
+    kind: ChangeKind,
+    target: String,
+    parameter: String,
+    /// What ends the sentence.
+    remark: String,
 }
 
 pub(super) fn changes(histories: &[History], names: &BTreeMap<String, Vec<String>>) -> Vec<Change> {
@@ -172,8 +197,12 @@ fn findings(history: &History) -> Vec<Change> {
         };
         let first = rows.iter().position(has)?;
         let lasts = rows[first..].iter().all(has) && first > 0 && rows.len() - first > 1;
+        let key = Key {
+            effect: finding.kind.name(),
+            target: &finding.target,
+        };
         lasts.then(|| {
-            let target = label((finding.kind.name(), &finding.target));
+            let target = key.label();
             let what = finding.sentence.clone();
             Change::stated(rows[first], ChangeKind::Health, target, what)
         })
@@ -190,66 +219,50 @@ fn effects(
 ) -> Vec<Change> {
     let mut all = Vec::new();
     for key in history.keys() {
-        let Some(parameter) = principal(rows.iter().filter_map(|row| found(row, &key))) else {
+        let found = rows.iter().filter_map(|row| key.found(row));
+        let Some(Parameter { name, absent }) = principal(found) else {
             continue;
         };
-        let course = course_of_effect(rows, &key, &parameter);
-        let absent = absent(rows.iter().copied(), &key, &parameter);
-        let name = label((&key.0, &key.1));
+        let course = course_of_effect(rows, key, name);
         // An effect that no explanation has is not there, whatever it might be.
-        let seen = |away: Size| {
-            let back = || absent.map_or(away, |absent| absent.back(away));
-            (away.value != 0.0).then(back)
-        };
-        let say =
-            |size: Option<Size>| size.map_or("not seen".to_string(), |size| size.named(&parameter));
-        let steps = steps(&course, HYPOTHESES * robots);
-        // The days since the step before, and those up to the next one.
-        let stretches = |k: usize| {
-            let since = k.checked_sub(1).map_or(0, |last| steps[last].days.start);
-            let days = &steps[k].days;
-            (since..days.start, days.clone())
-        };
-        for (k, step) in steps.iter().enumerate() {
-            let (before, after) = stretches(k);
-            if !is_borne_out(&course.rows[before], &course.rows[after], scatter()) {
+        let seen = |away: Size| (away.value != 0.0).then(|| absent.back(away));
+        let say = |size: Option<Size>| size.map_or("not seen".to_string(), |size| size.named(name));
+        let mut since = 0;
+        for step in steps(&course, HYPOTHESES * robots) {
+            let before = &course.rows[since..step.days.start];
+            since = step.days.start;
+            if !is_borne_out(before, &course.rows[step.days.clone()], scatter()) {
                 continue;
             }
-            let (day, last) = (step.days.start - 1, step.days.end - 1);
-            let sizes = [day, last].map(|at| seen(course.sizes[at]));
-            let what = format!(
-                "{} changes: {} on {}, {} on {}. Chance would make it in {} fleets.",
-                capital(&subject(&key.0, &key.1)),
-                say(sizes[0]),
-                course.day(day),
-                say(sizes[1]),
-                course.day(last),
-                one_in(step.chance)
-            );
-            let about = (ChangeKind::Effect, name.clone(), parameter.clone());
-            all.push(Change::stepped((&course, step), about, sizes, what));
+            let sizes = [step.days.start, step.days.end].map(|next| seen(course.sizes[next - 1]));
+            let number = Number {
+                subject: capital(&key.subject()),
+                kind: ChangeKind::Effect,
+                target: key.label(),
+                parameter: name.to_string(),
+                remark: String::new(),
+            };
+            all.push(Change::stepped((&course, &step), number, sizes, say));
         }
     }
     all
 }
 
 /// How far a parameter of an effect is, day by day, from what it is without the effect.
-fn course_of_effect<'r>(rows: &[&'r Row], key: &Key, parameter: &str) -> Course<'r> {
-    let of = |row: &Row| match said(row, key) {
-        Said::Found(found) => found.away(parameter).map(Some),
+fn course_of_effect<'r>(rows: &[&'r Row], key: Key, parameter: &str) -> Course<'r> {
+    let of = |row: &&'r Row| match key.found(row) {
+        Some(found) => Some((*row, Some(found.away(parameter)?))),
         // It may be there or not.
-        Said::Possible => None,
-        Said::No => Some(None),
+        None if key.is_possible(row) => None,
+        None => Some((*row, None)),
     };
-    let known = rows.iter().filter_map(|row| Some((*row, of(row)?)));
-    let known: Vec<(&Row, Option<Size>)> = known.collect();
-    let sizes = known.iter().filter_map(|(_, size)| *size);
-    let mut stds: Vec<f64> = sizes.map(|size| size.std).collect();
-    stds.sort_by(f64::total_cmp);
-    let typical = stds.get(stds.len() / 2).copied().unwrap_or(0.0);
+    let known: Vec<(&Row, Option<Size>)> = rows.iter().filter_map(of).collect();
+    let stds = known
+        .iter()
+        .filter_map(|(_, size)| Some(size.as_ref()?.std));
     let unseen = Size {
         value: 0.0,
-        std: UNSEEN * typical,
+        std: UNSEEN * median(stds).unwrap_or(0.0),
     };
     let known = known.into_iter();
     Course::of(known.map(|(row, size)| (row, size.unwrap_or(unseen))))
@@ -280,8 +293,8 @@ fn parameters(
     }
     let others = match changed.len().saturating_sub(1) {
         0 => String::new(),
-        1 => " Another parameter changes, too.".to_string(),
-        n => format!(" {n} other parameters change, too."),
+        1 => ". Another parameter changes, too".to_string(),
+        n => format!(". {n} other parameters change, too"),
     };
     let clearest = |steps: &[Step]| {
         let chances = steps.iter().map(|step| step.chance);
@@ -294,43 +307,46 @@ fn parameters(
     };
     let name = names.get(&first.model()).and_then(|names| names.get(k));
     let name = name.map_or_else(|| format!("parameter {}", k + 1), String::clone);
-    let say = |size: Size| format!("{:.3} ± {:.3} mm", 1e3 * size.value, 1e3 * size.std);
+    let say = |size: Option<Size>| {
+        let Size { value, std } = size.unwrap_or_default();
+        format!("{:.3} ± {:.3} mm", 1e3 * value, 1e3 * std)
+    };
     let of = |step: &Step| {
-        let (before, last) = (step.days.start - 1, step.days.end - 1);
-        let sizes = [before, last].map(|at| course.sizes[at]);
-        let what = format!(
-            "{name} changes: {} on {}, {} on {}; no effect is named for it.{others} Chance would \
-             make it in {} fleets.",
-            say(sizes[0]),
-            course.day(before),
-            say(sizes[1]),
-            course.day(last),
-            one_in(step.chance)
-        );
-        let about = (ChangeKind::Parameter, name.clone(), name.clone());
-        Change::stepped((&course, step), about, sizes.map(Some), what)
+        let sizes = [step.days.start, step.days.end].map(|next| Some(course.sizes[next - 1]));
+        let number = Number {
+            subject: name.clone(),
+            kind: ChangeKind::Parameter,
+            target: name.clone(),
+            parameter: name.clone(),
+            remark: format!("; no effect is named for it{others}"),
+        };
+        Change::stepped((&course, step), number, sizes, say)
     };
     steps.iter().map(of).collect()
+}
+
+/// Neighbouring days whose parameters can be compared.
+fn neighbours<'r>(histories: &[History<'r>]) -> Vec<[&'r Row; 2]> {
+    let mut all = Vec::new();
+    for stretch in histories.iter().flat_map(History::stretches) {
+        all.extend(stretch.windows(2).map(|pair| [pair[0], pair[1]]));
+    }
+    all.retain(|[one, other]| one.params.len() == other.params.len());
+    all
 }
 
 /// How many times as much days scatter as their deviations say, parameter by parameter; 1 at
 /// least.
 fn widening(histories: &[History]) -> Vec<f64> {
     let mut squares: Vec<Vec<f64>> = Vec::new();
-    for stretch in histories.iter().flat_map(History::stretches) {
-        for pair in stretch.windows(2) {
-            let count = pair[0].params.len();
-            if count != pair[1].params.len() {
-                continue;
-            }
-            squares.resize_with(squares.len().max(count), Vec::new);
-            for (all, own) in squares.iter_mut().zip(squares_between(pair[0], pair[1])) {
-                all.extend(own);
-            }
+    for [one, other] in neighbours(histories) {
+        squares.resize_with(squares.len().max(one.params.len()), Vec::new);
+        for (all, own) in squares.iter_mut().zip(squares_between(one, other)) {
+            all.extend(own);
         }
     }
-    let together = widening_of(squares.iter().flatten().copied().collect());
-    let few = |own: &[f64]| own.len() < DIFFERENCES;
+    let together = widening_of(squares.iter().flatten().copied());
+    let few = |own: &Vec<f64>| own.len() < DIFFERENCES;
     let each = |own: Vec<f64>| {
         if few(&own) {
             together
@@ -353,41 +369,23 @@ fn is_borne_out(before: &[&Row], after: &[&Row], widening: f64) -> bool {
 /// How many times as much days scatter as their deviations say, of neighbouring days with the
 /// same explanation; 1 at least, and where there are too few of them.
 fn scatter(histories: &[History]) -> f64 {
-    let (mut squares, mut pairs) = (Vec::new(), 0);
-    for stretch in histories.iter().flat_map(History::stretches) {
-        let same = stretch.windows(2).filter(|pair| {
-            pair[0].params.len() == pair[1].params.len() && explained(pair[0]) == explained(pair[1])
-        });
-        for pair in same {
-            pairs += 1;
-            squares.extend(squares_between(pair[0], pair[1]).flatten());
-        }
+    let mut pairs = neighbours(histories);
+    pairs.retain(|[one, other]| explained(one) == explained(other));
+    if pairs.len() < ROBOTS {
+        return 1.0;
     }
-    if pairs < ROBOTS {
-        1.0
-    } else {
-        widening_of(squares)
-    }
-}
-
-/// The effects of a row's explanation with their targets.
-fn explained(row: &Row) -> BTreeSet<(&str, &str)> {
-    let effects = row.effects.explanation.iter();
-    effects
-        .map(|found| (found.effect.as_str(), found.target.as_str()))
-        .collect()
+    let squares = pairs
+        .iter()
+        .flat_map(|[one, other]| squares_between(one, other));
+    widening_of(squares.flatten())
 }
 
 /// The factor by which deviations are too small of which these are the squared differences over
 /// their variance; 1 at least.
-fn widening_of(mut squares: Vec<f64>) -> f64 {
-    if squares.is_empty() {
-        return 1.0;
-    }
-    let middle = squares.len() / 2;
-    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
+fn widening_of(squares: impl IntoIterator<Item = f64>) -> f64 {
     // Of the square of a standard normal number the median is 0.455.
-    (*median / 0.454_936).max(1.0).sqrt()
+    let wider = |median: f64| (median / 0.454_936).max(1.0).sqrt();
+    median(squares).map_or(1.0, wider)
 }
 
 /// Squared differences of two days over their variance, parameter by parameter; none where a day
@@ -447,22 +445,14 @@ struct Mean {
 
 /// The mean of the parameters `of` these rows; none where no day has a covariance of them.
 fn mean(rows: &[&Row], of: &[usize]) -> Option<Mean> {
-    let mut sums: Option<(DMatrix<f64>, DVector<f64>)> = None;
-    for row in rows {
-        let own = row.covariance();
-        let own = own.map(|covariance| covariance.select_rows(of).select_columns(of));
-        let Some(factor) = own.and_then(|covariance| covariance.cholesky()) else {
-            continue;
-        };
-        let precision = factor.inverse();
+    let of_day = |row: &&Row| {
+        let own = row.covariance()?.select_rows(of).select_columns(of);
+        let precision = own.cholesky()?.inverse();
         let values = DVector::from_iterator(of.len(), of.iter().map(|&k| row.params[k]));
-        let vector = &precision * values;
-        sums = match sums {
-            None => Some((precision, vector)),
-            Some((sum, of_vectors)) => Some((sum + precision, of_vectors + vector)),
-        };
-    }
-    let (precision, vector) = sums?;
+        Some((&precision * values, precision))
+    };
+    let days = rows.iter().filter_map(of_day);
+    let (vector, precision) = days.reduce(|sum, day| (sum.0 + day.0, sum.1 + day.1))?;
     let factor = precision.cholesky()?;
     Some(Mean {
         value: factor.solve(&vector),
@@ -482,13 +472,14 @@ fn chance_of_gaps(before: &[&Row], after: &[&Row]) -> f64 {
         }
         (free > 0.0).then_some((squares / free, free))
     };
-    let (Some((one, free_one)), Some((other, free_other))) = (pooled(before), pooled(after)) else {
+    let (Some(one), Some(other)) = (pooled(before), pooled(after)) else {
         return 1.0;
     };
-    let (mut larger, mut smaller) = ((other, free_other), (one, free_one));
-    if one > other {
-        (larger, smaller) = (smaller, larger);
-    }
+    let (larger, smaller) = if one.0 > other.0 {
+        (one, other)
+    } else {
+        (other, one)
+    };
     if smaller.0 <= 0.0 {
         return if larger.0 > 0.0 { 0.0 } else { 1.0 };
     }

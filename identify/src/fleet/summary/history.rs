@@ -24,10 +24,61 @@ use std::ops::{Range, RangeInclusive};
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 use super::{FALSE_ALARM, LEAST_FREEDOM, ONSET};
+use crate::diagnose::subject;
 use crate::fleet::row::{Absent, EffectFound, Row, Size, by_number};
 
-/// Effect and target.
-pub(super) type Key = (String, String);
+/// An effect at a target, of a row or a finding.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Key<'r> {
+    pub effect: &'r str,
+    pub target: &'r str,
+}
+
+impl<'r> Key<'r> {
+    fn of(found: &'r EffectFound) -> Key<'r> {
+        Key {
+            effect: &found.effect,
+            target: &found.target,
+        }
+    }
+
+    /// As diagnoses write it: `effect:target`, or `effect`.
+    pub fn label(self) -> String {
+        match self.target {
+            "-" => self.effect.to_string(),
+            target => format!("{}:{target}", self.effect),
+        }
+    }
+
+    /// The effect in sentences.
+    pub fn subject(self) -> String {
+        subject(self.effect, self.target)
+    }
+
+    /// The effect in a row's explanation, if it is there.
+    pub fn found(self, row: &Row) -> Option<&EffectFound> {
+        let mut effects = row.effects.explanation.iter();
+        effects.find(|found| Key::of(found) == self)
+    }
+
+    /// Whether another explanation that the data allow as well has the effect.
+    pub fn is_possible(self, row: &Row) -> bool {
+        let mut instead = row.effects.instead.iter().flatten();
+        instead.any(|other| *other == self.label())
+    }
+
+    /// What a row says of the size of the effect: that of its explanation, else alone.
+    pub fn scored(self, row: &Row) -> Option<&EffectFound> {
+        let mut scores = row.effects.scores.iter();
+        let alone = || scores.find(|found| Key::of(found) == self);
+        self.found(row).or_else(alone)
+    }
+}
+
+/// The effects of a row's explanation.
+pub(super) fn explained(row: &Row) -> BTreeSet<Key<'_>> {
+    row.effects.explanation.iter().map(Key::of).collect()
+}
 
 /// One robot.
 pub(super) struct History<'r> {
@@ -47,52 +98,6 @@ pub(super) fn histories(rows: &[Row]) -> Vec<History<'_>> {
         History { robot, rows }
     }
     robots.into_iter().map(history).collect()
-}
-
-/// What a row says of an effect.
-#[derive(Clone, Copy)]
-pub(super) enum Said<'r> {
-    /// It is in the explanation.
-    Found(&'r EffectFound),
-    /// It is in another explanation that the data allow as well.
-    Possible,
-    /// It is in none.
-    No,
-}
-
-pub(super) fn said<'r>(row: &'r Row, (effect, target): &Key) -> Said<'r> {
-    let is_it = |found: &&EffectFound| found.effect == *effect && found.target == *target;
-    if let Some(found) = row.effects.explanation.iter().find(is_it) {
-        return Said::Found(found);
-    }
-    let label = label((effect, target));
-    let mut instead = row.effects.instead.iter().flatten();
-    match instead.any(|other| *other == label) {
-        true => Said::Possible,
-        false => Said::No,
-    }
-}
-
-/// An effect of a row's explanation, if it is there.
-pub(super) fn found<'r>(row: &'r Row, key: &Key) -> Option<&'r EffectFound> {
-    match said(row, key) {
-        Said::Found(found) => Some(found),
-        Said::Possible | Said::No => None,
-    }
-}
-
-/// What a row says of the size of an effect: that of its explanation, else alone.
-pub(super) fn scored<'r>(row: &'r Row, key: &Key) -> Option<&'r EffectFound> {
-    let is_it = |found: &&EffectFound| found.effect == key.0 && found.target == key.1;
-    found(row, key).or_else(|| row.effects.scores.iter().find(is_it))
-}
-
-/// An effect and its target as diagnoses write them: `effect:target`, or `effect`.
-pub(super) fn label((effect, target): (&str, &str)) -> String {
-    match target {
-        "-" => effect.to_string(),
-        target => format!("{effect}:{target}"),
-    }
 }
 
 impl<'r> History<'r> {
@@ -126,49 +131,45 @@ impl<'r> History<'r> {
     }
 
     /// Every effect that a row has a size of.
-    pub fn scored(&self) -> BTreeSet<Key> {
-        let rows = self.usable().map(|row| &row.effects);
-        let effects = rows.flat_map(|own| own.explanation.iter().chain(&own.scores));
-        effects
-            .map(|found| (found.effect.clone(), found.target.clone()))
-            .collect()
+    pub fn scored(&self) -> BTreeSet<Key<'r>> {
+        let effects = self.usable().map(|row| &row.effects);
+        let effects = effects.flat_map(|own| own.explanation.iter().chain(&own.scores));
+        effects.map(Key::of).collect()
     }
 
     /// Every effect of any explanation.
-    pub fn keys(&self) -> BTreeSet<Key> {
-        let effects = self.usable().flat_map(|row| &row.effects.explanation);
-        effects
-            .map(|found| (found.effect.clone(), found.target.clone()))
-            .collect()
+    pub fn keys(&self) -> BTreeSet<Key<'r>> {
+        self.usable().flat_map(explained).collect()
     }
 }
 
-/// What a parameter of an effect is without it, where that is not 0.
-pub(super) fn absent<'r>(
-    rows: impl Iterator<Item = &'r Row>,
-    key: &Key,
-    parameter: &str,
-) -> Option<Absent> {
-    let mut known = rows.filter_map(|row| found(row, key));
-    known.find_map(|found| found.absent.get(parameter).copied())
+/// A parameter that stands for an effect.
+#[derive(Clone, Copy)]
+pub(super) struct Parameter<'r> {
+    pub name: &'r str,
+    /// What it is without the effect.
+    pub absent: Absent,
 }
 
 /// The parameter of an effect that is largest beside its deviation; of a mass itself, wherever it is.
-pub(super) fn principal<'a>(found: impl Iterator<Item = &'a EffectFound>) -> Option<String> {
-    let mut told: BTreeMap<&str, f64> = BTreeMap::new();
-    let sizes = |found: &'a EffectFound| {
-        let names = found.parameters.keys();
-        names.filter_map(|name| Some((name, found.away(name)?)))
-    };
-    for (name, size) in found.flat_map(sizes) {
-        *told.entry(name).or_default() += (size.value / size.std.max(f64::MIN_POSITIVE)).powi(2);
+pub(super) fn principal<'r>(found: impl Iterator<Item = &'r EffectFound>) -> Option<Parameter<'r>> {
+    // How clearly rows tell it.
+    let mut told: BTreeMap<&str, (f64, Absent)> = BTreeMap::new();
+    for found in found {
+        for (name, size) in &found.parameters {
+            let absent = found.absent(name);
+            let Size { value, std } = absent.away(*size);
+            let (told, _) = told.entry(name).or_insert((0.0, absent));
+            *told += (value / std.max(f64::MIN_POSITIVE)).powi(2);
+        }
     }
-    let is_mass = |name: &&str| name.ends_with("_kg");
-    if let Some(mass) = told.keys().copied().find(is_mass) {
-        return Some(mass.to_string());
-    }
-    let best = told.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-    best.map(|(name, _)| name.to_string())
+    let mass = told.iter().find(|(name, _)| name.ends_with("_kg"));
+    let largest = || told.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0));
+    let (name, (_, absent)) = mass.or_else(largest)?;
+    Some(Parameter {
+        name,
+        absent: *absent,
+    })
 }
 
 /// Mean of values with deviations of their own, which scatter by more if they do.
@@ -205,6 +206,13 @@ pub(super) fn pooled(values: &[Size]) -> Option<(Size, f64)> {
     Some((Size { value, std }, tau2.sqrt()))
 }
 
+/// The middle one of some values, by their size.
+pub(super) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
 /// A number by day.
 pub(super) struct Course<'r> {
     pub rows: Vec<&'r Row>,
@@ -232,15 +240,6 @@ impl<'r> Course<'r> {
     /// The first and the last day on which a change may have come.
     pub(super) fn days_of(&self, step: &Step) -> [String; 2] {
         [*step.first.start(), *step.first.end()].map(|day| self.day(day).to_string())
-    }
-
-    /// The days of a range alone.
-    fn part(&self, days: &Range<usize>) -> Self {
-        Course {
-            rows: self.rows[days.clone()].to_vec(),
-            sizes: self.sizes[days.clone()].to_vec(),
-            freedom: self.freedom,
-        }
     }
 }
 
@@ -274,36 +273,36 @@ pub(super) fn steps(course: &Course, tests: f64) -> Vec<Step> {
     let days = course.sizes.len();
     // Of two kinds of numbers.
     let looks = 2.0 * tests * (days as f64 - 1.0);
-    let mut onsets: Vec<(usize, RangeInclusive<usize>, f64)> = Vec::new();
+    let mut steps: Vec<Step> = Vec::new();
     let mut parts = vec![(0..days, looks)];
     while let Some((part, looks)) = parts.pop() {
-        let own = course.part(&part);
+        let sizes = &course.sizes[part.clone()];
         let again = part.len() < days;
-        if again && is_straight(&own.sizes) {
+        if again && is_straight(sizes) {
             continue;
         }
-        let Some(Split { onset, ln_p }) = split(&own) else {
+        let Some(Split { onset, ln_p }) = split(sizes, course.freedom) else {
             continue;
         };
         let chance = (ln_p + looks.ln()).exp().min(1.0);
         if chance < FALSE_ALARM {
-            let days = days_of_95_percent(&own.sizes);
-            let days = onset.min(*days.start())..=onset.max(*days.end());
-            let (onset, first) = (part.start + onset, part.start + days.start());
-            onsets.push((onset, first..=part.start + days.end(), chance));
+            let first = days_of_95_percent(sizes);
+            let (first, last) = (onset.min(*first.start()), onset.max(*first.end()));
+            let onset = part.start + onset;
+            steps.push(Step {
+                days: onset..part.end,
+                first: part.start + first..=part.start + last,
+                chance,
+            });
             parts.push((part.start..onset, 2.0 * looks));
             parts.push((onset..part.end, 2.0 * looks));
         }
     }
-    onsets.sort_by_key(|(onset, ..)| *onset);
-    let ends = onsets.iter().skip(1).map(|(onset, ..)| *onset);
-    let ends: Vec<usize> = ends.chain([days]).collect();
-    let step = |((onset, first, chance), end)| Step {
-        days: onset..end,
-        first,
-        chance,
-    };
-    onsets.into_iter().zip(ends).map(step).collect()
+    steps.sort_by_key(|step| step.days.start);
+    for k in 1..steps.len() {
+        steps[k - 1].days.end = steps[k].days.start;
+    }
+    steps
 }
 
 /// Whether a straight line over the days, weighted by 1/s², explains the sizes.
@@ -324,11 +323,11 @@ fn is_straight(sizes: &[Size]) -> bool {
     law.is_ok_and(|law| tail(&law, chi2) > FALSE_ALARM) || sizes.len() < 3
 }
 
-fn split(course: &Course) -> Option<Split> {
-    let n = course.sizes.len();
+fn split(sizes: &[Size], freedom: f64) -> Option<Split> {
+    let n = sizes.len();
     // Means of the days before each day, and of those from it on.
-    let before = means(course.sizes.iter());
-    let mut after = means(course.sizes.iter().rev());
+    let before = means(sizes.iter());
+    let mut after = means(sizes.iter().rev());
     after.reverse();
     let gap = |later: Size, k: usize| {
         let before: Size = before[k - 1];
@@ -337,12 +336,12 @@ fn split(course: &Course) -> Option<Split> {
     let z = |k: usize| gap(after[k], k);
     let best = (1..n).max_by(|a, b| z(*a).abs().total_cmp(&z(*b).abs()))?;
     let of = |k: usize| {
-        let own = gap(course.sizes[k], k);
+        let own = gap(sizes[k], k);
         own.abs() > ONSET && own.signum() == z(best).signum()
     };
     // A drift is split best in its middle, and begins before.
     let onset = (1..=best).find(|k| of(*k)).unwrap_or(best);
-    let law = StudentsT::new(0.0, 1.0, course.freedom.max(LEAST_FREEDOM)).ok()?;
+    let law = StudentsT::new(0.0, 1.0, freedom.max(LEAST_FREEDOM)).ok()?;
     let p = 2.0 * tail(&law, z(best).abs());
     let ln_p = p.max(f64::MIN_POSITIVE).ln();
     z(best).is_finite().then_some(Split { onset, ln_p })

@@ -28,9 +28,9 @@ use serde::Serialize;
 use statrs::distribution::{Binomial, DiscreteCDF as _};
 
 use super::row::Row;
-use crate::diagnose::{Verdict, subject};
+use crate::diagnose::Verdict;
 use crate::fit::population::Population;
-use history::{History, Key, found, label};
+use history::{History, Key};
 use shared::one_in;
 
 pub use changes::{Change, ChangeKind};
@@ -275,12 +275,16 @@ fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<S
         let chance = change.chance.unwrap_or(0.0);
         all.push(Statement::new(weight, chance, sentence));
     }
-    for key in history.keys().into_iter().filter(|key| lasts(history, key)) {
+    for key in history
+        .keys()
+        .into_iter()
+        .filter(|key| lasts(history, *key))
+    {
         let group = shared.iter().find(|group| {
-            (&group.effect, &group.target) == (&key.0, &key.1)
+            (&*group.effect, &*group.target) == (key.effect, key.target)
                 && group.robots.iter().any(|robot| robot == history.robot)
         });
-        let (name, what) = (label((&key.0, &key.1)), subject(&key.0, &key.1));
+        let (name, what) = (key.label(), key.subject());
         match group {
             Some(group) => {
                 let others = match group.robots.len().saturating_sub(1) {
@@ -293,7 +297,7 @@ fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<S
             None if own().any(|change| change.target == name) => {}
             None => {
                 let sentence = format!("It has {what}; no group of robots shares it.");
-                all.push(Statement::new(3.0, chance_of(history, &key), sentence));
+                all.push(Statement::new(3.0, chance_of(history, key), sentence));
             }
         }
     }
@@ -304,9 +308,9 @@ fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<S
 
 /// Chance of an effect of the robot's own: by the evidence of the clearest day, any of which
 /// might have been it.
-fn chance_of(history: &History, key: &Key) -> f64 {
+fn chance_of(history: &History, key: Key) -> f64 {
     let rows: Vec<&Row> = history.usable().collect();
-    let known = rows.iter().filter_map(|row| found(row, key));
+    let known = rows.iter().filter_map(|row| key.found(row));
     let most = known.map(|found| found.evidence).fold(0.0, f64::max);
     let odds = (0.5 * most - (rows.len().max(1) as f64).ln()).exp();
     1.0 / (1.0 + odds)
@@ -321,7 +325,7 @@ fn chance_of_days(count: usize, days: usize) -> f64 {
 /// Findings about the data: those of two days or more, and those of the last.
 fn data(history: &History) -> Vec<Statement> {
     struct Seen<'r> {
-        name: String,
+        name: Key<'r>,
         weight: f64,
         days: usize,
         is_urgent: bool,
@@ -331,7 +335,10 @@ fn data(history: &History) -> Vec<Statement> {
     let mut seen: Vec<Seen> = Vec::new();
     for (at, row) in rows.iter().enumerate() {
         for finding in &row.health {
-            let name = label((finding.kind.name(), &finding.target));
+            let name = Key {
+                effect: finding.kind.name(),
+                target: &finding.target,
+            };
             let unusable = finding.kind.makes_unusable();
             match seen.iter_mut().find(|known| known.name == name) {
                 Some(known) => known.days += 1,
@@ -355,8 +362,8 @@ fn data(history: &History) -> Vec<Statement> {
 
 /// Whether an effect is on two days or more and on most since the first of them, or clear on
 /// the last.
-fn lasts(history: &History, key: &Key) -> bool {
-    let rows: Vec<_> = history.usable().map(|row| found(row, key)).collect();
+fn lasts(history: &History, key: Key) -> bool {
+    let rows: Vec<_> = history.usable().map(|row| key.found(row)).collect();
     let Some(first) = rows.iter().position(Option::is_some) else {
         return false;
     };

@@ -53,12 +53,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 use sesc_model::text::listed;
 
-use super::history::{History, Key, found, label, pooled, principal, scored};
+use super::history::{History, Key, Parameter, median, pooled, principal};
 use super::{ALIKE, CLEARLY, DIFFER, FALSE_ALARM, OWN};
-use crate::diagnose::subject;
 use crate::diagnose::words::spoken;
 use crate::diagnose::{CLASS_SCORE, TOLD_APART};
-use crate::fleet::row::{Absent, Row, Size};
+use crate::fleet::row::{Row, Size};
 use crate::observations::postures::range;
 
 /// An effect that robots share.
@@ -120,10 +119,8 @@ struct Member<'r> {
 
 /// An effect at a target, in every robot that it is known of.
 struct Candidate<'r> {
-    key: Key,
-    parameter: String,
-    /// What the parameter is without the effect, where that is not 0.
-    absent: Option<Absent>,
+    key: Key<'r>,
+    parameter: Parameter<'r>,
     /// Robots that no group holds yet.
     members: Vec<Member<'r>>,
     /// What bodies of this fleet make of the effect, a deviation.
@@ -154,9 +151,9 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
     let own = histories.iter().filter(|history| history.has_effects());
     let own = own.count() as f64 / histories.len().max(1) as f64;
     let alike = own.max(OWN) * (ALIKE / looked_at).min(1.0);
-    let mut largest: BTreeMap<String, f64> = BTreeMap::new();
+    let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
     for Candidate { key, members, .. } in &open {
-        let largest = largest.entry(key.0.clone()).or_default();
+        let largest = largest.entry(key.effect).or_default();
         let sizes = members.iter().map(|m| m.size.value.abs());
         *largest = sizes.fold(*largest, f64::max);
     }
@@ -166,13 +163,13 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
         let looks = (looked_at / ALIKE).max(1.0) * (1 + found.len()) as f64;
         let groups = open.iter().enumerate().filter_map(|(at, candidate)| {
             let group =
-                candidate.group(largest[&candidate.key.0], histories.len(), alike, looks)?;
+                candidate.group(largest[candidate.key.effect], histories.len(), alike, looks)?;
             Some((at, group))
         });
         let Some((at, group)) = groups.max_by(|a, b| a.1.sum.total_cmp(&b.1.sum)) else {
             break;
         };
-        let key = open[at].key.clone();
+        let key = open[at].key;
         let robots: Vec<&str> = group
             .places
             .iter()
@@ -184,14 +181,14 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
             let explained = other.explained(&of_group, alike);
             other.key != key && explained.is_some_and(|sum| sum + CLASS_SCORE > group.sum)
         });
-        let instead = as_well.map(|other| label((&other.key.0, &other.key.1)));
+        let instead = as_well.map(|other| other.key.label());
         let shared = open[at].shared(&group, instead.collect());
         for candidate in &mut open {
-            let other = candidate.key.clone();
+            let other = candidate.key;
             candidate.members.retain(|member| {
                 let apart = || {
                     let robot = histories.iter().find(|own| own.robot == member.robot);
-                    robot.is_some_and(|robot| never_together(robot, &key, &other))
+                    robot.is_some_and(|robot| never_together(robot, key, other))
                 };
                 !(robots.contains(&member.robot) && (other == key || apart()))
             });
@@ -206,20 +203,19 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
 }
 
 /// Whether no row of a robot is explained by both.
-fn never_together(robot: &History, one: &Key, other: &Key) -> bool {
-    let both = |row: &&Row| found(row, one).is_some() && found(row, other).is_some();
+fn never_together(robot: &History, one: Key, other: Key) -> bool {
+    let both = |row: &&Row| one.found(row).is_some() && other.found(row).is_some();
     !robot.rows.iter().any(both)
 }
 
 /// An effect in the robots whose rows score it.
-fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
-    let rows = || histories.iter().flat_map(History::usable);
-    let parameter = principal(rows().filter_map(|row| scored(row, &key)))?;
-    let absent = rows().find_map(|row| scored(row, &key)?.absent.get(&parameter).copied());
+fn candidate<'r>(histories: &[History<'r>], key: Key<'r>) -> Option<Candidate<'r>> {
+    let rows = histories.iter().flat_map(History::usable);
+    let parameter = principal(rows.filter_map(|row| key.scored(row)))?;
     let member = |history: &History<'r>| {
-        let scores = history.usable().filter_map(|row| scored(row, &key));
+        let scores = history.usable().filter_map(|row| key.scored(row));
         let (sizes, evidence): (Vec<Size>, Vec<f64>) = scores
-            .filter_map(|found| Some((found.away(&parameter)?, found.evidence)))
+            .filter_map(|found| Some((found.away(parameter.name)?, found.evidence)))
             .unzip();
         let (size, _) = pooled(&sizes)?;
         Some(Member {
@@ -232,25 +228,18 @@ fn candidate<'r>(histories: &[History<'r>], key: Key) -> Option<Candidate<'r>> {
     };
     let members: Vec<Member> = histories.iter().filter_map(member).collect();
     let mut sizes: Vec<f64> = members.iter().map(|m| m.size.value).collect();
-    let mut stds: Vec<f64> = members.iter().map(|m| m.size.std).collect();
     // In robots whose rows do not score it, it is none. Half of all normal numbers are within 0.674
     // deviations; what most robots share is no spread.
     sizes.resize(histories.len(), 0.0);
-    let middle = median(&mut sizes)?;
-    let mut offs: Vec<f64> = sizes.iter().map(|size| (size - middle).abs()).collect();
-    let by_bodies = (median(&mut offs)? / 0.674_490).powi(2) - median(&mut stds)?.powi(2);
+    let middle = median(sizes.iter().copied())?;
+    let spread = median(sizes.iter().map(|size| (size - middle).abs()))? / 0.674_490;
+    let by_bodies = spread.powi(2) - median(members.iter().map(|m| m.size.std))?.powi(2);
     (members.len() > 1).then_some(Candidate {
         key,
         parameter,
-        absent,
         members,
         by_bodies: by_bodies.max(0.0).sqrt(),
     })
-}
-
-fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// Student's law of four degrees of freedom, of scale σ, as [`density`] without 1/√2π: bodies make
@@ -283,8 +272,7 @@ impl Candidate<'_> {
             let pairs = members.iter().zip(&without);
             pairs.map(|(m, without)| of_group(m) / without).collect()
         };
-        let mut stds: Vec<f64> = members.iter().map(std).collect();
-        let width = median(&mut stds)?;
+        let width = median(members.iter().map(std))?;
         // Robots whose size is all alike are looked at once.
         let mut places: Vec<f64> = members.iter().map(|m| m.size.value).collect();
         places.retain(|at| at.abs() > width);
@@ -360,14 +348,11 @@ impl Candidate<'_> {
     fn shared(&self, Group { places, chance, .. }: &Group, instead: Vec<String>) -> Shared {
         let members = || places.iter().map(|k| &self.members[*k]);
         let sizes: Vec<Size> = members().map(|m| m.size).collect();
-        let unknown = Size {
-            value: 0.0,
-            std: 0.0,
-        };
-        let (size, own_std) = pooled(&sizes).unwrap_or((unknown, 0.0));
+        let (size, own_std) = pooled(&sizes).unwrap_or_default();
         let own_std_interval = interval(&sizes, own_std).unwrap_or([0.0, own_std]);
         // As people know the parameter, and not from what it is without the effect.
-        let back = |away: Size| self.absent.map_or(away, |absent| absent.back(away));
+        let Parameter { name, absent } = self.parameter;
+        let back = |away: Size| absent.back(away);
         let spread = |std: f64| back(Size { std, ..size }).std;
         let (own_std, own_std_interval) = (spread(own_std), own_std_interval.map(spread));
         let size = back(size);
@@ -382,9 +367,8 @@ impl Candidate<'_> {
         let mut of_group: Vec<SharedMember> = of_group.collect();
         of_group.sort_by(|a, b| a.robot.cmp(&b.robot));
         let robots: Vec<String> = of_group.iter().map(|member| member.robot.clone()).collect();
-        let (effect, target) = self.key.clone();
-        let said = size.named(&self.parameter);
-        let own = own_in_words(&self.parameter, own_std, own_std_interval);
+        let said = size.named(name);
+        let own = own_in_words(name, own_std, own_std_interval);
         let as_well = match instead.len() {
             0 => String::new(),
             _ => format!("As well explained by {}. ", listed(&instead, 4)),
@@ -392,13 +376,13 @@ impl Candidate<'_> {
         let sentence = format!(
             "{} robots share {}: {said}; {own}. {as_well}Chance would make such a group in {} fleets.",
             robots.len(),
-            subject(&effect, &target),
+            self.key.subject(),
             one_in(*chance)
         );
         Shared {
-            effect,
-            target,
-            parameter: self.parameter.clone(),
+            effect: self.key.effect.to_string(),
+            target: self.key.target.to_string(),
+            parameter: name.to_string(),
             robots,
             size: size.value,
             std: size.std,
