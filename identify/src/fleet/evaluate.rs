@@ -42,13 +42,9 @@ pub fn row(
 ) -> Result<Row, Error> {
     let logs = each_once(logs);
     let mut row = Row {
-        robot: name.to_string(),
-        day: day.to_string(),
         urdf_hash: robot.description.hash.clone(),
         support: options.support.clone().unwrap_or_default(),
-        inputs: logs.iter().map(|log| log.hash.clone()).collect(),
-        version: env!("CARGO_PKG_VERSION").to_string(),
-        ..Row::default()
+        ..Row::of(name, day, &logs)
     };
     let group = Evaluation { robot, options };
     let mut errors = Vec::new();
@@ -121,31 +117,26 @@ impl Evaluation<'_> {
                 return Ok(());
             }
         }
-        let parts = each(logs, noted, |log| self.gather(log, support, true, watch))?;
-        let several = parts.len() > 1;
-        let mut whole: Option<Part> = None;
-        for (log, mut part) in parts {
+        let mut parts = each(logs, noted, |log| self.gather(log, support, true, watch))?;
+        if parts.len() > 1 {
             // Rows that state no deviations are told some where an encoder is stuck, which rows
             // of several logs cannot be.
-            if several && part.health().iter().any(|f| f.kind == Kind::EncoderStuck) {
-                match self.gather(&log, support, false, watch) {
-                    Ok(again) => part = again,
-                    Err(error) => {
-                        noted(error)?;
-                        continue;
-                    }
-                }
-            }
-            if let Some(whole) = &mut whole {
-                if let Err(error) = whole.merge(part, &log.name) {
-                    return noted(error);
-                }
-            } else {
-                whole = Some(part);
-            }
+            let is_stuck = |part: &Part| part.health().iter().any(|f| f.kind == Kind::EncoderStuck);
+            let again = each(parts, noted, |(log, part)| match is_stuck(part) {
+                true => self.gather(log, support, false, watch),
+                false => Ok(part.clone()),
+            })?;
+            parts = again
+                .into_iter()
+                .map(|((log, _), part)| (log, part))
+                .collect();
         }
-        let fitted = whole.map_or(Ok(()), |whole| self.fit(support, whole, row, watch));
-        fitted.or_else(noted)
+        if parts.is_empty() {
+            return Ok(());
+        }
+        let parts = parts.into_iter().map(|(log, part)| (log.name, part));
+        self.fit(support, parts.collect(), row, watch)
+            .or_else(noted)
     }
 
     /// A log and where it stands: as the options say, else its sidecar, else its first row.
@@ -225,18 +216,18 @@ impl Evaluation<'_> {
         gather_as(&request, alone, watch)
     }
 
-    /// Fit the part of all logs.
+    /// Fit the parts of all logs.
     fn fit(
         &self,
         support: &str,
-        whole: Part,
+        parts: Vec<(String, Part)>,
         row: &mut Row,
         watch: &mut dyn Watch,
     ) -> Result<(), Error> {
         let mut request = self.request(support);
         // Sums are in SI units.
         request.angles = None;
-        request.parts = vec![("the logs of this group".to_string(), whole)];
+        request.parts = parts;
         let found = fit(&request, watch)?.identification;
         if self.options.only == Only::Parameters {
             row.fitted(&found);
@@ -244,16 +235,14 @@ impl Evaluation<'_> {
                 return Ok(());
             }
         }
-        row.params = found.parameters.iter().map(|p| p.value).collect();
-        let finite = |x: &f64| x.is_finite();
         let parameters = found.parameters.iter();
-        row.std = parameters.map(|p| p.std.filter(finite)).collect();
+        let known = parameters.map(|p| (p.value, p.std.filter(|std| std.is_finite())));
+        (row.params, row.std) = known.unzip();
         // Effects that come and go in diagnoses are compared with it.
         if self.options.information || self.options.only == Only::All {
             let covariance = &found.estimate.covariance;
-            let lower =
-                (0..covariance.nrows()).flat_map(|i| (0..=i).map(move |j| covariance[(i, j)]));
-            row.covariance = lower.collect();
+            let lower = (0..covariance.nrows()).flat_map(|i| (0..=i).map(move |j| (i, j)));
+            row.covariance = lower.map(|place| covariance[place]).collect();
         }
         Ok(())
     }

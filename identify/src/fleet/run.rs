@@ -150,17 +150,15 @@ pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
         for _ in 0..threads.clamp(1, groups.len().max(1)) {
             let (send, next, stop) = (send.clone(), &next, &stop);
             scope.spawn(move || {
-                let mut stopped = |_: Progress| {
-                    if stop.load(Ordering::Relaxed) {
-                        Break(())
-                    } else {
-                        Continue(())
-                    }
+                let mut stopped = |_: Progress| match stop.load(Ordering::Relaxed) {
+                    true => Break(()),
+                    false => Continue(()),
                 };
                 while let Some(group) = groups.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let (robot, options) = (&request.robot, &request.options);
                     let done = work(robot, options, group, request.store.as_ref(), &mut stopped);
-                    if stop.load(Ordering::Relaxed) || send.send(done).is_err() {
+                    // Nobody receives it any more where the run was stopped.
+                    if send.send(done).is_err() {
                         break;
                     }
                 }
@@ -217,17 +215,21 @@ pub fn work(
     }
     let logs = each_once(&logs);
     let mut errors: Vec<String> = done.failed.iter().map(|f| f.error.clone()).collect();
-    let own = group.urdf.as_deref().map(|path| (path, read_urdf(path)));
+    let name = (group.robot.as_str(), group.day.as_str());
+    let without_result = |error: &str| Row {
+        error: Some(error.to_string()),
+        ..Row::of(name.0, name.1, &logs)
+    };
+    let own = group.urdf.as_deref().map(read_urdf).transpose();
     let robot = match own {
-        None => Arc::clone(robot),
-        Some((_, Ok(own))) => Arc::new(own),
-        Some((path, Err(error))) => {
+        Ok(own) => own.map_or_else(|| Arc::clone(robot), Arc::new),
+        Err(error) => {
+            let path = group.urdf.as_deref().unwrap_or(Path::new(""));
             done.failed.push(Failed::reading(path, &error));
-            done.row = without_result(group, &logs, "its URDF cannot be used");
+            done.row = without_result("its URDF cannot be used");
             return Ok(done);
         }
     };
-    let name = (group.robot.as_str(), group.day.as_str());
     let key = key(&robot, &options, name, &logs);
     let known = store.and_then(|store| store.get(&key));
     // What stands under the right key of a store that was merged or half restored may be another's.
@@ -252,7 +254,7 @@ pub fn work(
                     store.map_or(Ok(()), |store| store.put(&key, &made))?;
                     made
                 }
-                Err(_) => without_result(group, &logs, DEFECT),
+                Err(_) => without_result(DEFECT),
             }
         }
     };
@@ -264,39 +266,26 @@ pub fn work(
     Ok(done)
 }
 
-/// The row of a group of which nothing came.
-fn without_result(group: &Group, logs: &[Log], error: &str) -> Row {
-    Row {
-        robot: group.robot.clone(),
-        day: group.day.clone(),
-        inputs: logs.iter().map(|log| log.hash.clone()).collect(),
-        error: Some(error.to_string()),
-        version: env!("CARGO_PKG_VERSION").to_string(),
-        ..Row::default()
-    }
-}
-
 /// The error of a row, with the names of files for the hashes of logs.
 fn named(error: &str, read: &[(String, PathBuf)], group: &Group, robot: &Robot) -> Vec<Failed> {
     let urdf = &robot.description;
     let error = error.replace(&name_of_urdf(&urdf.hash), &urdf.file);
-    let say = |path: &Path| {
-        let mut said = error.clone();
-        for (hash, path) in read {
-            said = said.replace(&name_of_log(hash), &path.display().to_string());
-        }
-        Failed {
-            input: path.display().to_string(),
-            error: said,
-        }
-    };
     let mut faulty: Vec<&(String, PathBuf)> = read.iter().collect();
     faulty.retain(|(hash, _)| error.contains(&name_of_log(hash)));
     faulty.dedup_by(|a, b| a.0 == b.0);
-    if faulty.is_empty() {
-        return group.logs.iter().take(1).map(|path| say(path)).collect();
+    let mut paths: Vec<&PathBuf> = faulty.into_iter().map(|(_, path)| path).collect();
+    if paths.is_empty() {
+        paths.extend(group.logs.first());
     }
-    faulty.into_iter().map(|(_, path)| say(path)).collect()
+    let with_path = |said: String, (hash, path): &(String, PathBuf)| {
+        said.replace(&name_of_log(hash), &path.display().to_string())
+    };
+    let error = read.iter().fold(error, with_path);
+    let failed = |path: &PathBuf| Failed {
+        input: path.display().to_string(),
+        error: error.clone(),
+    };
+    paths.into_iter().map(failed).collect()
 }
 
 /// What groups came to, in any order, put together; `robot` is that of groups without a URDF of
