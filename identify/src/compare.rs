@@ -160,15 +160,14 @@ pub fn compare(before: &ModelFile, after: &ModelFile) -> Result<Comparison, Erro
             after.support, before.file, before.support
         ));
     }
-    let names = |file: &ModelFile| -> BTreeSet<String> {
-        file.parameters.iter().map(|p| p.name.clone()).collect()
-    };
-    let (names_before, names_after) = (names(before), names(after));
-    if let Some(name) = names_before.symmetric_difference(&names_after).next() {
-        let (has, lacks) = match names_before.contains(name) {
-            true => (&before.file, &after.file),
-            false => (&after.file, &before.file),
-        };
+    let names = [before, after].map(|file| -> BTreeSet<&str> {
+        file.parameters.iter().map(|p| p.name.as_str()).collect()
+    });
+    if let Some(name) = names[0].symmetric_difference(&names[1]).next() {
+        let (mut has, mut lacks) = (&before.file, &after.file);
+        if names[1].contains(name) {
+            (has, lacks) = (lacks, has);
+        }
         return refused(format!(
             "base parameter `{name}` is in {has} and not in {lacks}: the two are models of \
              different robots"
@@ -204,9 +203,9 @@ pub fn compare(before: &ModelFile, after: &ModelFile) -> Result<Comparison, Erro
 /// The base parameters of two files, and z² along the directions that both determine.
 fn masses(before: &ModelFile, after: &ModelFile) -> (Vec<Difference>, Vec<f64>) {
     let n = before.parameters.len();
-    let of = |name: &str| after.parameters.iter().position(|p| p.name == name);
     // Place of every parameter of the first file in the second.
-    let places = before.parameters.iter().filter_map(|p| of(&p.name));
+    let places = before.parameters.iter();
+    let places = places.filter_map(|p| after.parameters.iter().position(|own| own.name == p.name));
     let places: Vec<usize> = places.collect();
     let (a, b) = (covariance(before), covariance(after));
     let total = DMatrix::from_fn(n, n, |i, k| a[(i, k)] + b[(places[i], places[k])]);
@@ -259,12 +258,12 @@ fn squares(covariance: DMatrix<f64>, gap: &DVector<f64>) -> Vec<f64> {
 
 /// Smallest probability of Σ z² over the first 1, 2, 4, … directions, times their number.
 fn chance(squares: &[f64]) -> Option<f64> {
-    let mut counts: Vec<usize> = std::iter::successors(Some(1), |k| Some(2 * k))
-        .take_while(|k| *k < squares.len())
-        .collect();
-    if !squares.is_empty() {
-        counts.push(squares.len());
-    }
+    let (all, doubled) = (
+        squares.len(),
+        std::iter::successors(Some(1), |k| Some(2 * k)),
+    );
+    let counts = doubled.take_while(|k| *k < all);
+    let counts: Vec<usize> = counts.chain((all > 0).then_some(all)).collect();
     let of = |count: &usize| {
         let sum: f64 = squares[..*count].iter().sum();
         ChiSquared::new(*count as f64).map(|law| law.sf(sum)).ok()
@@ -274,30 +273,26 @@ fn chance(squares: &[f64]) -> Option<f64> {
 }
 
 fn effects(before: &ModelFile, after: &ModelFile) -> Vec<EffectChange> {
-    let of = |file: &'_ ModelFile, own: &EffectRecord| {
-        let is =
-            |record: &&EffectRecord| record.effect == own.effect && record.target == own.target;
-        file.effects.iter().find(is).cloned()
-    };
-    let fresh = after.effects.iter().filter(|new| of(before, new).is_none());
+    fn record<'f>(file: &'f ModelFile, own: &EffectRecord) -> Option<&'f EffectRecord> {
+        let same =
+            |other: &&EffectRecord| (&other.effect, &other.target) == (&own.effect, &own.target);
+        file.effects.iter().find(same)
+    }
+    let fresh = after
+        .effects
+        .iter()
+        .filter(|new| record(before, new).is_none());
     let all = before.effects.iter().chain(fresh);
-    all.map(|own| effect(own, of(before, own).as_ref(), of(after, own).as_ref()))
+    all.map(|own| effect(own, [before, after].map(|file| record(file, own))))
         .collect()
 }
 
 /// What became of an effect, of which `own` is a record.
-fn effect(
-    own: &EffectRecord,
-    old: Option<&EffectRecord>,
-    new: Option<&EffectRecord>,
-) -> EffectChange {
-    let of = |record: Option<&EffectRecord>, name: &str| {
-        record.and_then(|record| record.parameters.get(name).copied())
-    };
-    let both = old.into_iter().chain(new);
+fn effect(own: &EffectRecord, records: [Option<&EffectRecord>; 2]) -> EffectChange {
+    let both = records.iter().flatten();
     let names: BTreeSet<&String> = both.flat_map(|r| r.parameters.keys()).collect();
     let difference = |name: &String| {
-        let (a, b) = (of(old, name), of(new, name));
+        let [a, b] = records.map(|record| record?.parameters.get(name).copied());
         let std = match (a, b) {
             (Some(a), Some(b)) => a.std.zip(b.std).map(|(a, b)| a.hypot(b)),
             (one, other) => one.or(other).and_then(|only| only.std),
@@ -305,15 +300,14 @@ fn effect(
         Difference::new(name, [a, b].map(|x| x.map(|x| x.value)), std)
     };
     let parameters: Vec<Difference> = names.into_iter().map(difference).collect();
-    let change = match (old, new) {
-        (None, _) => Change::Appeared,
-        (_, None) => Change::Gone,
-        _ => change(&parameters),
-    };
     EffectChange {
         effect: own.effect.clone(),
         target: own.target.clone(),
-        change,
+        change: match records {
+            [None, _] => Change::Appeared,
+            [_, None] => Change::Gone,
+            _ => change(&parameters),
+        },
         parameters,
     }
 }
@@ -348,11 +342,6 @@ impl Comparison {
 
 fn sentence(found: &Comparison) -> String {
     let mut said = Vec::new();
-    let labels = |change: Change| {
-        let own = found.effects.iter().filter(|e| e.change == change);
-        let own = own.map(|e| subject(&e.effect, &e.target));
-        own.collect::<Vec<_>>().join(", ")
-    };
     for (change, what) in [
         (Change::Appeared, "These effects appeared:"),
         (Change::Gone, "These effects are gone:"),
@@ -363,9 +352,10 @@ fn sentence(found: &Comparison) -> String {
             "These effects differ, and no deviations are known to judge them by:",
         ),
     ] {
-        let labels = labels(change);
-        if !labels.is_empty() {
-            said.push(format!("{what} {labels}."));
+        let own = found.effects.iter().filter(|e| e.change == change);
+        let own: Vec<String> = own.map(|e| subject(&e.effect, &e.target)).collect();
+        if !own.is_empty() {
+            said.push(format!("{what} {}.", own.join(", ")));
         }
     }
     said.push(match found.chance {

@@ -87,25 +87,20 @@ impl Robot {
     /// # Errors
     /// When the file cannot be read or expanded, or everything that is wrong with its text.
     pub fn read_typed(path: &Path, asked: bool) -> Result<Typed, Error> {
-        let read = |robot| Typed {
-            robot,
-            expanded: false,
+        let file = path.display().to_string();
+        let is_xacro = asked || path.extension().is_some_and(|end| end == "xacro");
+        let expanded = match is_xacro.then(|| expand(path)).transpose() {
+            Err(XacroFailed::NotInstalled) if !asked => None,
+            Err(failed) => return Err(Error::log(file, None, failed.to_string())),
+            Ok(expanded) => expanded,
         };
-        if !asked && path.extension().is_none_or(|end| end != "xacro") {
-            return Robot::read(path).map(read);
-        }
-        match expand(path) {
-            Ok(text) => Ok(Typed {
-                robot: Robot::parse(&text, &path.display().to_string())?,
-                expanded: true,
-            }),
-            Err(XacroFailed::NotInstalled) if !asked => Robot::read(path).map(read),
-            Err(failed) => Err(Error::log(
-                path.display().to_string(),
-                None,
-                failed.to_string(),
-            )),
-        }
+        Ok(Typed {
+            expanded: expanded.is_some(),
+            robot: match expanded {
+                Some(text) => Robot::parse(&text, &file)?,
+                None => Robot::read(path)?,
+            },
+        })
     }
 
     /// Parse the text of a URDF; `file` names it in messages.

@@ -88,26 +88,29 @@ impl Request {
     }
 
     fn check(&self) -> Result<(), Error> {
+        let refused = |setting: Setting, what: String| Err(Error::request(message![setting, what]));
         if let Some(range) = self.range.filter(|r| !(r.is_finite() && *r > 0.0)) {
-            let remedy = format!(" {range}: give an angle above zero");
-            return Err(Error::request(message![Setting::Range, remedy]));
+            return refused(
+                Setting::Range,
+                format!(" {range}: give an angle above zero"),
+            );
         }
-        let dof = self.model.dof();
+        let (dof, poses, noise) = (self.model.dof(), self.poses, self.noise);
         let given = self.postures.as_ref().map(Vec::len);
-        if let Some(given) = given.filter(|given| *given != dof * self.poses) {
-            let remedy =
-                format!(": {given} positions given; one of each of {dof} joints is needed");
-            let poses = format!(" {}", self.poses);
-            return Err(Error::request(message![Setting::Poses, poses, remedy]));
+        if let Some(given) = given.filter(|given| *given != dof * poses) {
+            let what =
+                format!(" {poses}: {given} positions given; one of each of {dof} joints is needed");
+            return refused(Setting::Poses, what);
         }
         if let Some(rate) = self.rate.filter(|r| !(1e-3..=1e6).contains(r)) {
-            let remedy = format!(" {rate}: give rows per second, 0.001 to 1e6");
-            return Err(Error::request(message![Setting::Rate, remedy]));
+            let what = format!(" {rate}: give rows per second, 0.001 to 1e6");
+            return refused(Setting::Rate, what);
         }
-        let noise = self.noise;
         if !(noise.is_finite() && noise >= 0.0) {
-            let remedy = format!(" {noise}: give metres, zero or more");
-            return Err(Error::request(message![Setting::Noise, remedy]));
+            return refused(
+                Setting::Noise,
+                format!(" {noise}: give metres, zero or more"),
+            );
         }
         Ok(())
     }
@@ -423,8 +426,8 @@ pub fn hide<S: AsRef<str>>(model: Model, effects: &[S]) -> Result<Model, Error> 
 fn hidden(context: &EffectContext, robot_kg: f64, text: &str) -> Result<EffectRecord, Error> {
     let bad = |reason: String| Error::request(format!("`{text}`: {reason}"));
     let (name, values) = match text.rsplit_once('=') {
-        Some((name, values)) => (name, Some(values)),
-        None => (text, None),
+        Some((name, values)) => (name, values.split(',').collect()),
+        None => (text, Vec::new()),
     };
     let (effect, target) = name.split_once(':').unwrap_or((name, "-"));
     let mut record = EffectRecord {
@@ -456,7 +459,6 @@ fn hidden(context: &EffectContext, robot_kg: f64, text: &str) -> Result<EffectRe
         return Ok(record);
     };
     let parameters = effect.parameters(context, &target);
-    let values: Vec<&str> = values.map_or_else(Vec::new, |values| values.split(',').collect());
     if values.len() != parameters.len() {
         let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
         return Err(bad(match names.is_empty() {

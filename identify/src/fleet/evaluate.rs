@@ -5,9 +5,10 @@
 //!                                           └▶ part of each log ─▶ one part ─▶ fit
 //! ```
 
+use std::mem;
 use std::sync::Arc;
 
-use super::log::{Log, each_once, name_of_log, without_path};
+use super::log::{Log, each_once, without_path};
 use super::row::{Row, SCORES};
 use super::{Only, Options};
 use crate::diagnose::diagnose;
@@ -22,7 +23,6 @@ use crate::{Error, ErrorKind, Message, diagnose as diagnosis, fit as fitting};
 
 /// A log and the link on the ground in rows that do not say.
 struct Standing {
-    name: String,
     log: LogSource,
     support: Option<String>,
 }
@@ -46,113 +46,113 @@ pub fn row(
         support: options.support.clone().unwrap_or_default(),
         ..Row::of(name, day, &logs)
     };
-    let group = Evaluation { robot, options };
-    let mut errors = Vec::new();
-    let mut noted = |error: Error| match error.kind() {
-        ErrorKind::Interrupted => Err(error),
-        _ => {
-            errors.push(without_path(&error, robot));
-            Ok(())
-        }
+    let mut group = Evaluation {
+        robot,
+        options,
+        watch,
+        support: String::new(),
+        errors: Vec::new(),
+        odd: Vec::new(),
     };
-    let mut odd = Vec::new();
-    let standing = each(logs, &mut noted, |log| group.standing(log, &mut odd))?;
-    let standing: Vec<Standing> = standing.into_iter().map(|(_, log)| log).collect();
-    match standing.iter().find_map(|log| log.support.clone()) {
-        Some(support) => {
-            row.support.clone_from(&support);
-            group.evaluate(standing, &support, &mut row, &mut noted, watch)?;
-        }
-        None if standing.is_empty() => {}
-        None => noted(robot.no_support_of_fleet(&odd))?,
+    let mut standing = Vec::new();
+    for log in &logs {
+        let found = group.standing(log);
+        standing.extend(group.noted(found)?);
     }
-    row.set_errors(errors);
+    if let Some(support) = standing.iter().find_map(|log| log.support.as_ref()) {
+        row.support.clone_from(support);
+        group.support.clone_from(support);
+        group.evaluate(standing, &mut row)?;
+    } else if !standing.is_empty() {
+        let missing = robot.no_support_of_fleet(&group.odd);
+        group.noted::<()>(Err(missing))?;
+    }
+    row.set_errors(group.errors);
     Ok(row)
-}
-
-/// Keeps what is wrong with a log; an error is the end of the call.
-type Noted<'n> = &'n mut dyn FnMut(Error) -> Result<(), Error>;
-
-/// What comes of each of some things; where nothing does, the error is noted.
-fn each<T, R>(
-    all: Vec<T>,
-    noted: Noted,
-    mut of: impl FnMut(&T) -> Result<R, Error>,
-) -> Result<Vec<(T, R)>, Error> {
-    let mut found = Vec::new();
-    for one in all {
-        match of(&one) {
-            Ok(made) => found.push((one, made)),
-            Err(error) => noted(error)?,
-        }
-    }
-    Ok(found)
 }
 
 /// A robot and how its logs are looked at.
 struct Evaluation<'a> {
     robot: &'a Arc<Robot>,
     options: &'a Options,
+    watch: &'a mut dyn Watch,
+    /// The link on the ground of logs that do not say.
+    support: String,
+    /// What is wrong with logs.
+    errors: Vec<String>,
+    /// What is odd about their sidecars.
+    odd: Vec<Message>,
 }
 
 impl Evaluation<'_> {
-    /// Fill a row from logs of which some say where they stand; `noted` keeps what is wrong.
-    fn evaluate(
-        &self,
-        mut logs: Vec<Standing>,
-        support: &str,
-        row: &mut Row,
-        noted: Noted,
-        watch: &mut dyn Watch,
-    ) -> Result<(), Error> {
+    /// What came of something; what is wrong with a log is kept, and other errors are the end.
+    fn noted<T>(&mut self, found: Result<T, Error>) -> Result<Option<T>, Error> {
+        match found {
+            Err(error) if error.kind() != ErrorKind::Interrupted => {
+                self.errors.push(without_path(&error, self.robot));
+                Ok(None)
+            }
+            found => found.map(Some),
+        }
+    }
+
+    /// Fill a row from logs of which some say where they stand.
+    fn evaluate(&mut self, mut logs: Vec<Standing>, row: &mut Row) -> Result<(), Error> {
         if self.options.only == Only::All {
             // Several are diagnosed as one, of which each has to be read.
             let mut blocks = Vec::new();
             if logs.len() > 1 {
-                let read = each(logs, noted, |log| self.read(&log.log))?;
-                (logs, blocks) = read.into_iter().unzip();
+                for log in mem::take(&mut logs) {
+                    let read = self.read(&log.log);
+                    if let Some(read) = self.noted(read)? {
+                        blocks.push(read);
+                        logs.push(log);
+                    }
+                }
             }
-            let usable = self.diagnose(&logs, blocks, support, row, watch);
-            if !usable.or_else(|error| noted(error).map(|()| false))? {
+            let usable = self.diagnose(&logs, blocks, row);
+            if self.noted(usable)? != Some(true) {
                 return Ok(());
             }
         }
-        let mut parts = each(logs, noted, |log| self.gather(log, support, true, watch))?;
+        let mut parts = Vec::new();
+        for log in logs {
+            let part = self.gather(&log, true);
+            parts.extend(self.noted(part)?.map(|part| (log, part)));
+        }
         if parts.len() > 1 {
             // Rows that state no deviations are told some where an encoder is stuck, which rows
             // of several logs cannot be.
             let is_stuck = |part: &Part| part.health().iter().any(|f| f.kind == Kind::EncoderStuck);
-            let again = each(parts, noted, |(log, part)| match is_stuck(part) {
-                true => self.gather(log, support, false, watch),
-                false => Ok(part.clone()),
-            })?;
-            parts = again
-                .into_iter()
-                .map(|((log, _), part)| (log, part))
-                .collect();
+            for (log, mut part) in mem::take(&mut parts) {
+                if is_stuck(&part) {
+                    let again = self.gather(&log, false);
+                    let Some(again) = self.noted(again)? else {
+                        continue;
+                    };
+                    part = again;
+                }
+                parts.push((log, part));
+            }
         }
         if parts.is_empty() {
             return Ok(());
         }
-        let parts = parts.into_iter().map(|(log, part)| (log.name, part));
-        self.fit(support, parts.collect(), row, watch)
-            .or_else(noted)
+        let fitted = self.fit(parts, row);
+        self.noted(fitted).map(drop)
     }
 
     /// A log and where it stands: as the options say, else its sidecar, else its first row.
-    fn standing(&self, log: &Log, odd: &mut Vec<Message>) -> Result<Standing, Error> {
-        let (source, sidecar, of_sidecar) = log.source()?;
-        odd.extend(of_sidecar);
+    fn standing(&mut self, log: &Log) -> Result<Standing, Error> {
+        let (log, sidecar, odd) = log.source()?;
+        self.odd.extend(odd);
         let mut support = self.options.support.clone().or(sidecar.support);
         if support.is_none() {
-            let first = self.open(&source)?.first_support()?;
+            let first = self.open(&log)?.first_support()?;
             support = first.map(|link| link.to_string());
         }
-        Ok(Standing {
-            name: name_of_log(&log.hash),
-            log: source,
-            support: support.filter(|link| !link.is_empty()),
-        })
+        let support = support.filter(|link| !link.is_empty());
+        Ok(Standing { log, support })
     }
 
     fn open(&self, log: &LogSource) -> Result<PostureReader, Error> {
@@ -204,31 +204,21 @@ impl Evaluation<'_> {
     }
 
     /// What a log contributes to the fit; `alone` where it is fitted without other logs.
-    fn gather(
-        &self,
-        log: &Standing,
-        support: &str,
-        alone: bool,
-        watch: &mut dyn Watch,
-    ) -> Result<Part, Error> {
-        let mut request = self.request(log.support.as_deref().unwrap_or(support));
+    fn gather(&mut self, log: &Standing, alone: bool) -> Result<Part, Error> {
+        let mut request = self.request(log.support.as_ref().unwrap_or(&self.support));
         request.logs = vec![log.log.clone()];
-        gather_as(&request, alone, watch)
+        gather_as(&request, alone, self.watch)
     }
 
     /// Fit the parts of all logs.
-    fn fit(
-        &self,
-        support: &str,
-        parts: Vec<(String, Part)>,
-        row: &mut Row,
-        watch: &mut dyn Watch,
-    ) -> Result<(), Error> {
-        let mut request = self.request(support);
+    fn fit(&mut self, parts: Vec<(Standing, Part)>, row: &mut Row) -> Result<(), Error> {
+        let mut request = self.request(&self.support);
         // Sums are in SI units.
         request.angles = None;
-        request.parts = parts;
-        let found = fit(&request, watch)?.identification;
+        let parts = parts.into_iter();
+        let parts = parts.map(|(log, part)| (log.log.name().to_string(), part));
+        request.parts = parts.collect();
+        let found = fit(&request, self.watch)?.identification;
         if self.options.only == Only::Parameters {
             row.fitted(&found);
             if !found.is_usable() {
@@ -249,12 +239,10 @@ impl Evaluation<'_> {
 
     /// Diagnose the logs as one; gives whether they are fit for a fit.
     fn diagnose(
-        &self,
+        &mut self,
         logs: &[Standing],
         blocks: Vec<(Sidecar, Block)>,
-        support: &str,
         row: &mut Row,
-        watch: &mut dyn Watch,
     ) -> Result<bool, Error> {
         let log = match logs {
             [] => return Ok(false),
@@ -262,7 +250,7 @@ impl Evaluation<'_> {
             several => self.one_log(several, blocks)?,
         };
         let mut request = diagnosis::Request::new(Arc::clone(self.robot), log);
-        request.support = Some(support.to_string());
+        request.support = Some(self.support.clone());
         request.snapping = self.options.snapping();
         // Several logs were put together in SI units.
         request.angles = self.options.angles.filter(|_| logs.len() == 1);
@@ -272,7 +260,7 @@ impl Evaluation<'_> {
         request.motion = self.options.motion_model();
         request.feet = self.options.feet();
         request.scores = SCORES;
-        let found = diagnose(&request, watch)?;
+        let found = diagnose(&request, self.watch)?;
         row.diagnosed(&found);
         Ok(found.diagnosis.verdict != diagnosis::Verdict::Unusable)
     }
@@ -285,7 +273,7 @@ impl Evaluation<'_> {
         if let Some(at) = sidecars.iter().position(|other| *other != sidecar) {
             let differs = "its sidecar differs from that of another log of the same group; give \
                            them groups of their own";
-            return Err(Error::log(&*logs[at].name, None, differs));
+            return Err(Error::log(logs[at].log.name(), None, differs));
         }
         let (mut numbered, mut later) = (0, None);
         for block in &mut blocks {

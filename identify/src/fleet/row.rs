@@ -24,7 +24,6 @@ use crate::diagnose::{Quantity, Report, Score, Step, Verdict};
 use crate::files::{self, NewFile};
 use crate::fit::Identification;
 use crate::health::{Finding, Kind};
-use crate::observations::sample_count::SampleCount;
 
 /// A number with its standard deviation, in the unit that its name ends in.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -131,16 +130,15 @@ impl EffectFound {
             let (value, std) = (q.value, q.std);
             (name.to_string(), Size { value, std })
         };
-        let absent = fitted
-            .iter()
-            .map(|(name, fitted)| (name.to_string(), Absent::of(*fitted)));
+        let absent = |(name, fitted): (&&str, &Fitted)| {
+            let absent = Absent::of(*fitted);
+            (absent != Absent::Zero).then(|| (name.to_string(), absent))
+        };
         EffectFound {
             effect: effect.to_string(),
             target: target.to_string(),
             parameters: parameters.iter().map(size).collect(),
-            absent: absent
-                .filter(|(_, absent)| *absent != Absent::Zero)
-                .collect(),
+            absent: fitted.iter().filter_map(absent).collect(),
             evidence,
         }
     }
@@ -149,12 +147,8 @@ impl EffectFound {
     /// search for a size ends at its bounds, slopes there say nothing of it.
     fn known_by(mut self, chi2: f64) -> EffectFound {
         for (name, size) in &mut self.parameters {
-            let away = self
-                .absent
-                .get(name)
-                .copied()
-                .unwrap_or_default()
-                .away(*size);
+            let absent = self.absent.get(name).copied().unwrap_or_default();
+            let away = absent.away(*size);
             let claimed = (away.value / away.std).abs();
             size.std *= (claimed / chi2.max(0.0).sqrt()).max(1.0);
         }
@@ -271,20 +265,18 @@ impl Row {
         // In any unit nothing is as large.
         let is_sound = |x: &f64| x.abs() < 1e100;
         let is_deviation = |x: &f64| (0.0..1e100).contains(x);
-        let of_effect = |found: &EffectFound| {
-            let mut sizes = found.parameters.values();
-            found.evidence.is_finite()
-                && sizes.all(|size| is_sound(&size.value) && is_deviation(&size.std))
-        };
+        let effects = self.effects.explanation.iter().chain(&self.effects.scores);
+        let mut sizes = effects.clone().flat_map(|found| found.parameters.values());
         let n = self.params.len();
+        let values = self.params.iter().chain(&self.covariance);
+        let mut values = values.chain(effects.map(|found| &found.evidence));
         let floors = [&self.noise_floor, &self.held_out_rmse];
-        let mut deviations = self.std.iter().chain(floors);
+        let mut deviations = self.std.iter().chain(floors).flatten();
         self.std.len() == n
             && (self.covariance.is_empty() || self.covariance.len() == n * (n + 1) / 2)
-            && self.params.iter().chain(&self.covariance).all(is_sound)
-            && deviations.all(|x| x.as_ref().is_none_or(is_deviation))
-            && self.effects.explanation.iter().all(of_effect)
-            && self.effects.scores.iter().all(of_effect)
+            && values.all(is_sound)
+            && deviations.all(is_deviation)
+            && sizes.all(|size| is_sound(&size.value) && is_deviation(&size.std))
     }
 
     /// The order of rows by robot and day.
@@ -319,42 +311,43 @@ impl Row {
         self.error = (!errors.is_empty()).then(|| errors.join("; "));
     }
 
-    /// Take over what a fit or a diagnosis says of the data; gives what it says of a stuck encoder.
-    fn set_data(
-        &mut self,
-        postures: u64,
-        samples: &SampleCount,
-        [noise_floor, held_out_rmse]: [f64; 2],
-        health: &[Finding],
-    ) -> Option<&Finding> {
+    /// Take over what a fit or a diagnosis says of the data: postures, independent rows, noise and
+    /// held-out error.
+    fn set_data(&mut self, postures: u64, rows: usize, errors: [f64; 2], health: &[Finding]) {
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-        self.postures = postures;
-        self.independent = samples.independent as u64;
-        self.noise_floor = finite(noise_floor);
-        self.held_out_rmse = finite(held_out_rmse);
+        (self.postures, self.independent) = (postures, rows as u64);
+        [self.noise_floor, self.held_out_rmse] = errors.map(finite);
         self.health = health.to_vec();
         // Pictures belong to a diagnosis' own page and are not kept.
         self.health.iter_mut().for_each(|f| f.picture = None);
+    }
+
+    fn stuck_encoder(&self) -> Option<&Finding> {
         self.health.iter().find(|f| f.kind == Kind::EncoderStuck)
     }
 
     /// Take over what a fit says of the data, where there is no diagnosis.
     pub(super) fn fitted(&mut self, found: &Identification) {
         let errors = [found.noise_floor, found.held_out_rmse];
-        let stuck = self.set_data(found.postures, &found.samples, errors, &found.health);
-        if stuck.is_some() || !found.is_usable() {
+        self.set_data(
+            found.postures,
+            found.samples.independent,
+            errors,
+            &found.health,
+        );
+        self.sentence = FITTED.to_string();
+        if !found.is_usable() || self.stuck_encoder().is_some() {
             self.verdict = Some(Verdict::Unusable);
         }
-        self.sentence = FITTED.to_string();
     }
 
     /// Take over what a diagnosis says.
     pub(super) fn diagnosed(&mut self, report: &Report) {
         let found = &report.diagnosis;
+        let (postures, errors) = (found.postures as u64, [found.noise_floor, found.last.rmse]);
+        self.set_data(postures, found.samples.independent, errors, &found.health);
         self.support.clone_from(&found.support);
-        let errors = [found.noise_floor, found.last.rmse];
-        let stuck = self.set_data(found.postures as u64, &found.samples, errors, &found.health);
-        if let Some(finding) = stuck {
+        if let Some(finding) = self.stuck_encoder() {
             // One joint is not where the log says: whatever explains the rest makes up for it.
             self.sentence = format!("{} {STUCK}", finding.sentence);
             self.verdict = Some(Verdict::Unusable);

@@ -150,9 +150,12 @@ pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
         for _ in 0..threads.clamp(1, groups.len().max(1)) {
             let (send, next, stop) = (send.clone(), &next, &stop);
             scope.spawn(move || {
-                let mut stopped = |_: Progress| match stop.load(Ordering::Relaxed) {
-                    true => Break(()),
-                    false => Continue(()),
+                let mut stopped = |_: Progress| {
+                    if stop.load(Ordering::Relaxed) {
+                        Break(())
+                    } else {
+                        Continue(())
+                    }
                 };
                 while let Some(group) = groups.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let (robot, options) = (&request.robot, &request.options);

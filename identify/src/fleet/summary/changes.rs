@@ -35,6 +35,7 @@ use super::shared::one_in;
 use super::{DIFFERENCES, FALSE_ALARM, HYPOTHESES, ROBOTS, UNSEEN};
 use crate::diagnose::words::capital;
 use crate::fleet::row::{Row, Size, by_number};
+use crate::health::Finding;
 
 /// What kind of thing changed; its name in JSON is in small letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -100,28 +101,13 @@ impl Change {
         }
     }
 
-    /// A step of a number, which is `before` it and `after` it, as `say` has it in sentences.
+    /// A step of a number, which is `before` it and `after` it.
     fn stepped(
         (course, step): (&Course, &Step),
-        number: Number,
+        (kind, target, parameter): (ChangeKind, String, String),
         [before, after]: [Option<Size>; 2],
-        say: impl Fn(Option<Size>) -> String,
+        what: String,
     ) -> Change {
-        let Number {
-            subject,
-            kind,
-            target,
-            parameter,
-            remark,
-        } = number;
-        let what = format!(
-            "{subject} changes: {} on {}, {} on {}{remark}. Chance would make it in {} fleets.",
-            say(before),
-            course.day(step.days.start - 1),
-            say(after),
-            course.day(step.days.end - 1),
-            one_in(step.chance)
-        );
         Change {
             day_interval: Some(course.days_of(step)),
             parameter: Some(parameter),
@@ -133,14 +119,20 @@ impl Change {
     }
 }
 
-/// A number that changes.
-struct Number {
-    subject: String,
-    kind: ChangeKind,
-    target: String,
-    parameter: String,
-    /// What ends the sentence.
-    remark: String,
+/// A step of a number, which is `before` it and `after` it, as a sentence.
+fn sentence(
+    subject: &str,
+    (course, step): (&Course, &Step),
+    [before, after]: [String; 2],
+    remark: &str,
+) -> String {
+    format!(
+        "{subject} changes: {before} on {}, {after} on {}{remark}. Chance would make it in {} \
+         fleets.",
+        course.day(step.days.start - 1),
+        course.day(step.days.end - 1),
+        one_in(step.chance)
+    )
 }
 
 pub(super) fn changes(histories: &[History], names: &BTreeMap<String, Vec<String>>) -> Vec<Change> {
@@ -170,16 +162,16 @@ pub(super) fn changes(histories: &[History], names: &BTreeMap<String, Vec<String
 
 /// Where another URDF begins.
 fn urdfs(history: &History) -> Vec<Change> {
-    let known = history.rows.iter().filter(|row| !row.urdf_hash.is_empty());
-    let known: Vec<&&Row> = known.collect();
-    let change = |pair: &[&&Row]| {
+    let mut known = history.rows.clone();
+    known.retain(|row| !row.urdf_hash.is_empty());
+    let change = |pair: &[&Row]| {
         let [before, after] = [0, 1].map(|k| pair[k].urdf_hash.as_str());
         let what = format!(
             "Its URDF is another one from this day on ({after}, before {before}): numbers before \
              and after are not compared."
         );
-        let kind = ChangeKind::Urdf;
-        (before != after).then(|| Change::stated(pair[1], kind, after.to_string(), what))
+        let changed = || Change::stated(pair[1], ChangeKind::Urdf, after.to_string(), what);
+        (before != after).then(changed)
     };
     known.windows(2).filter_map(change).collect()
 }
@@ -190,21 +182,14 @@ fn findings(history: &History) -> Vec<Change> {
     let Some(last) = rows.last() else {
         return Vec::new();
     };
-    let of = |finding: &crate::health::Finding| {
-        let has = |row: &&Row| {
-            let mut own = row.health.iter();
-            own.any(|f| f.kind == finding.kind && f.target == finding.target)
-        };
+    let of = |finding: &Finding| {
+        let key = Key::of_finding(finding);
+        let has = |row: &&Row| row.health.iter().any(|own| Key::of_finding(own) == key);
         let first = rows.iter().position(has)?;
         let lasts = rows[first..].iter().all(has) && first > 0 && rows.len() - first > 1;
-        let key = Key {
-            effect: finding.kind.name(),
-            target: &finding.target,
-        };
         lasts.then(|| {
-            let target = key.label();
             let what = finding.sentence.clone();
-            Change::stated(rows[first], ChangeKind::Health, target, what)
+            Change::stated(rows[first], ChangeKind::Health, key.label(), what)
         })
     };
     last.health.iter().filter_map(of).collect()
@@ -235,14 +220,10 @@ fn effects(
                 continue;
             }
             let sizes = [step.days.start, step.days.end].map(|next| seen(course.sizes[next - 1]));
-            let number = Number {
-                subject: capital(&key.subject()),
-                kind: ChangeKind::Effect,
-                target: key.label(),
-                parameter: name.to_string(),
-                remark: String::new(),
-            };
-            all.push(Change::stepped((&course, &step), number, sizes, say));
+            let subject = capital(&key.subject());
+            let what = sentence(&subject, (&course, &step), sizes.map(say), "");
+            let about = (ChangeKind::Effect, key.label(), name.to_string());
+            all.push(Change::stepped((&course, &step), about, sizes, what));
         }
     }
     all
@@ -307,20 +288,13 @@ fn parameters(
     };
     let name = names.get(&first.model()).and_then(|names| names.get(k));
     let name = name.map_or_else(|| format!("parameter {}", k + 1), String::clone);
-    let say = |size: Option<Size>| {
-        let Size { value, std } = size.unwrap_or_default();
-        format!("{:.3} ± {:.3} mm", 1e3 * value, 1e3 * std)
-    };
+    let say = |Size { value, std }| format!("{:.3} ± {:.3} mm", 1e3 * value, 1e3 * std);
+    let remark = format!("; no effect is named for it{others}");
     let of = |step: &Step| {
-        let sizes = [step.days.start, step.days.end].map(|next| Some(course.sizes[next - 1]));
-        let number = Number {
-            subject: name.clone(),
-            kind: ChangeKind::Parameter,
-            target: name.clone(),
-            parameter: name.clone(),
-            remark: format!("; no effect is named for it{others}"),
-        };
-        Change::stepped((&course, step), number, sizes, say)
+        let sizes = [step.days.start, step.days.end].map(|next| course.sizes[next - 1]);
+        let what = sentence(&name, (&course, step), sizes.map(say), &remark);
+        let about = (ChangeKind::Parameter, name.clone(), name.clone());
+        Change::stepped((&course, step), about, sizes.map(Some), what)
     };
     steps.iter().map(of).collect()
 }

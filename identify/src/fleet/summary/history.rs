@@ -26,6 +26,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use super::{FALSE_ALARM, LEAST_FREEDOM, ONSET};
 use crate::diagnose::subject;
 use crate::fleet::row::{Absent, EffectFound, Row, Size, by_number};
+use crate::health::Finding;
 
 /// An effect at a target, of a row or a finding.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -39,6 +40,13 @@ impl<'r> Key<'r> {
         Key {
             effect: &found.effect,
             target: &found.target,
+        }
+    }
+
+    pub fn of_finding(finding: &'r Finding) -> Key<'r> {
+        Key {
+            effect: finding.kind.name(),
+            target: &finding.target,
         }
     }
 
@@ -69,9 +77,8 @@ impl<'r> Key<'r> {
 
     /// What a row says of the size of the effect: that of its explanation, else alone.
     pub fn scored(self, row: &Row) -> Option<&EffectFound> {
-        let mut scores = row.effects.scores.iter();
-        let alone = || scores.find(|found| Key::of(found) == self);
-        self.found(row).or_else(alone)
+        let mut all = row.effects.explanation.iter().chain(&row.effects.scores);
+        all.find(|found| Key::of(found) == self)
     }
 }
 
@@ -93,11 +100,13 @@ pub(super) fn histories(rows: &[Row]) -> Vec<History<'_>> {
     for row in rows {
         robots.entry(&row.robot).or_default().push(row);
     }
-    fn history<'r>((robot, mut rows): (&'r str, Vec<&'r Row>)) -> History<'r> {
+    for rows in robots.values_mut() {
         rows.sort_by(|a, b| by_number(&a.day, &b.day).then_with(|| a.urdf_hash.cmp(&b.urdf_hash)));
-        History { robot, rows }
     }
-    robots.into_iter().map(history).collect()
+    let robots = robots.into_iter();
+    robots
+        .map(|(robot, rows)| History { robot, rows })
+        .collect()
 }
 
 impl<'r> History<'r> {

@@ -30,6 +30,7 @@ use statrs::distribution::{Binomial, DiscreteCDF as _};
 use super::row::Row;
 use crate::diagnose::Verdict;
 use crate::fit::population::Population;
+use crate::health::Finding;
 use history::{History, Key};
 use shared::one_in;
 
@@ -144,8 +145,8 @@ fn differing_bodies(histories: &[History], shared: &[Shared]) -> Option<String> 
     let in_groups: BTreeSet<&str> = in_groups.map(String::as_str).collect();
     let of_its_own =
         |history: &&History| history.has_effects() && !in_groups.contains(history.robot);
-    let all = histories.iter().filter(|h| h.usable().next().is_some());
-    let all = all.count();
+    let is_usable = |history: &&History| history.usable().next().is_some();
+    let all = histories.iter().filter(is_usable).count();
     let own = histories.iter().filter(of_its_own).count();
     let most = all >= ROBOTS && own as f64 > MOST * all as f64;
     most.then(|| {
@@ -324,40 +325,25 @@ fn chance_of_days(count: usize, days: usize) -> f64 {
 
 /// Findings about the data: those of two days or more, and those of the last.
 fn data(history: &History) -> Vec<Statement> {
-    struct Seen<'r> {
-        name: Key<'r>,
-        weight: f64,
-        days: usize,
-        is_urgent: bool,
-        sentence: &'r str,
-    }
     let rows = history.with_results();
-    let mut seen: Vec<Seen> = Vec::new();
-    for (at, row) in rows.iter().enumerate() {
-        for finding in &row.health {
-            let name = Key {
-                effect: finding.kind.name(),
-                target: &finding.target,
-            };
-            let unusable = finding.kind.makes_unusable();
-            match seen.iter_mut().find(|known| known.name == name) {
-                Some(known) => known.days += 1,
-                None => seen.push(Seen {
-                    name,
-                    weight: if unusable { 6.0 } else { 5.0 },
-                    days: 1,
-                    is_urgent: unusable || at + 1 == rows.len(),
-                    sentence: &finding.sentence,
-                }),
-            }
+    let last = rows.last().map_or(&[][..], |row| &row.health);
+    let all: Vec<&Finding> = rows.iter().flat_map(|row| &row.health).collect();
+    let statement = |(at, finding): (usize, &&Finding)| {
+        let key = Key::of_finding(finding);
+        let is_it = |other: &&&Finding| Key::of_finding(other) == key;
+        if all[..at].iter().any(|other| is_it(&other)) {
+            return None;
         }
-    }
-    seen.retain(|seen| seen.days > 1 || seen.is_urgent);
-    let statement = |seen: Seen| {
-        let chance = chance_of_days(seen.days, rows.len());
-        Statement::new(seen.weight, chance, seen.sentence.to_string())
+        let days = all.iter().filter(is_it).count();
+        let unusable = finding.kind.makes_unusable();
+        let is_urgent = unusable || last.iter().any(|other| Key::of_finding(other) == key);
+        (days > 1 || is_urgent).then(|| {
+            let weight = if unusable { 6.0 } else { 5.0 };
+            let chance = chance_of_days(days, rows.len());
+            Statement::new(weight, chance, finding.sentence.clone())
+        })
     };
-    seen.into_iter().map(statement).collect()
+    all.iter().enumerate().filter_map(statement).collect()
 }
 
 /// Whether an effect is on two days or more and on most since the first of them, or clear on
@@ -392,11 +378,9 @@ fn errors(history: &History) -> Option<Statement> {
     let mut days: Vec<&str> = failed.map(|row| row.day.as_str()).collect();
     let any = !days.is_empty();
     days.retain(|day| !day.is_empty());
-    let sentence = || match days.is_empty() {
-        true => "Logs have errors.".to_string(),
-        false => format!("Logs have errors on {}.", days.join(", ")),
-    };
-    any.then(|| Statement::new(1.0, 0.0, sentence()))
+    let on = if days.is_empty() { "" } else { " on " };
+    let sentence = format!("Logs have errors{on}{}.", days.join(", "));
+    any.then(|| Statement::new(1.0, 0.0, sentence))
 }
 
 #[cfg(test)]

@@ -127,9 +127,9 @@ struct Candidate<'r> {
     by_bodies: f64,
 }
 
-/// Robots that share an effect, by their places among the members of a candidate.
-struct Group {
-    places: Vec<usize>,
+/// Robots that share an effect.
+struct Group<'m, 'r> {
+    members: Vec<&'m Member<'r>>,
     chance: f64,
     /// What the effect explains in them.
     sum: f64,
@@ -161,20 +161,16 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
     loop {
         // Whoever looks for a further group looks once more.
         let looks = (looked_at / ALIKE).max(1.0) * (1 + found.len()) as f64;
-        let groups = open.iter().enumerate().filter_map(|(at, candidate)| {
-            let group =
-                candidate.group(largest[candidate.key.effect], histories.len(), alike, looks)?;
-            Some((at, group))
+        let groups = open.iter().filter_map(|candidate| {
+            let largest = largest[candidate.key.effect];
+            let group = candidate.group(largest, histories.len(), alike, looks)?;
+            Some((candidate, group))
         });
-        let Some((at, group)) = groups.max_by(|a, b| a.1.sum.total_cmp(&b.1.sum)) else {
+        let Some((best, group)) = groups.max_by(|a, b| a.1.sum.total_cmp(&b.1.sum)) else {
             break;
         };
-        let key = open[at].key;
-        let robots: Vec<&str> = group
-            .places
-            .iter()
-            .map(|k| open[at].members[*k].robot)
-            .collect();
+        let key = best.key;
+        let robots: Vec<&str> = group.members.iter().map(|m| m.robot).collect();
         let as_well = open.iter().filter(|other| {
             let is_of_group = |m: &&Member| robots.contains(&m.robot);
             let of_group: Vec<&Member> = other.members.iter().filter(is_of_group).collect();
@@ -182,7 +178,7 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
             other.key != key && explained.is_some_and(|sum| sum + CLASS_SCORE > group.sum)
         });
         let instead = as_well.map(|other| other.key.label());
-        let shared = open[at].shared(&group, instead.collect());
+        let shared = best.shared(&group, instead.collect());
         for candidate in &mut open {
             let other = candidate.key;
             candidate.members.retain(|member| {
@@ -254,10 +250,10 @@ fn density(x: f64, std: f64) -> f64 {
     (-0.5 * (x / std).powi(2)).exp() / std
 }
 
-impl Candidate<'_> {
+impl<'r> Candidate<'r> {
     /// The robots that share the effect most clearly, of so many `robots`, if that is beyond chance;
     /// `largest` is its largest size anywhere.
-    fn group(&self, largest: f64, robots: usize, alike: f64, looks: f64) -> Option<Group> {
+    fn group(&self, largest: f64, robots: usize, alike: f64, looks: f64) -> Option<Group<'_, 'r>> {
         let members = &self.members;
         let std = |m: &Member| self.std(m);
         let without = members.iter().map(|m| {
@@ -305,23 +301,20 @@ impl Candidate<'_> {
         let places = 2.0 * (near / width + (largest / near).ln() / DIFFER);
         let chance = (looks * places.max(1.0) * (-most).exp()).min(1.0);
         // A robot that may as well have none of it is not told.
-        let belongs = |k: &usize, ratio: f64| {
-            let m = &members[*k];
+        let belongs = |(m, ratio): &(&Member, f64)| {
             part * ratio > 1.0 - part && m.size.value.abs() > CLEARLY * std(m)
         };
-        let ratios = ratios(at);
-        let chosen = (0..members.len()).filter(|k| belongs(k, ratios[*k]));
-        let chosen: Vec<usize> = chosen.collect();
+        let chosen = members.iter().zip(ratios(at)).filter(belongs);
+        let chosen: Vec<&Member> = chosen.map(|(m, _)| m).collect();
         // What no robot's log asks for, in sum, is a bound of a search or the noise of a few days.
-        let evidence = chosen.iter().map(|k| members[*k].evidence).sum::<f64>();
+        let evidence = chosen.iter().map(|m| m.evidence).sum::<f64>();
         if chance > FALSE_ALARM || chosen.len() < 2 || evidence <= 0.0 {
             return None;
         }
-        let of_group: Vec<&Member> = chosen.iter().map(|k| &members[*k]).collect();
         Some(Group {
             chance,
-            sum: self.explained(&of_group, alike)?,
-            places: chosen,
+            sum: self.explained(&chosen, alike)?,
+            members: chosen,
         })
     }
 
@@ -345,9 +338,14 @@ impl Candidate<'_> {
     }
 
     /// What the robots of a group share.
-    fn shared(&self, Group { places, chance, .. }: &Group, instead: Vec<String>) -> Shared {
-        let members = || places.iter().map(|k| &self.members[*k]);
-        let sizes: Vec<Size> = members().map(|m| m.size).collect();
+    fn shared(
+        &self,
+        Group {
+            members, chance, ..
+        }: &Group,
+        instead: Vec<String>,
+    ) -> Shared {
+        let sizes: Vec<Size> = members.iter().map(|m| m.size).collect();
         let (size, own_std) = pooled(&sizes).unwrap_or_default();
         let own_std_interval = interval(&sizes, own_std).unwrap_or([0.0, own_std]);
         // As people know the parameter, and not from what it is without the effect.
@@ -356,23 +354,20 @@ impl Candidate<'_> {
         let spread = |std: f64| back(Size { std, ..size }).std;
         let (own_std, own_std_interval) = (spread(own_std), own_std_interval.map(spread));
         let size = back(size);
-        let of_group = members().map(|member| {
-            let size = back(member.size);
-            SharedMember {
-                robot: member.robot.to_string(),
-                value: size.value,
-                std: size.std,
-            }
-        });
-        let mut of_group: Vec<SharedMember> = of_group.collect();
-        of_group.sort_by(|a, b| a.robot.cmp(&b.robot));
-        let robots: Vec<String> = of_group.iter().map(|member| member.robot.clone()).collect();
+        let of_robot = |member: &&Member| {
+            let Size { value, std } = back(member.size);
+            let robot = member.robot.to_string();
+            SharedMember { robot, value, std }
+        };
+        let mut members: Vec<SharedMember> = members.iter().map(of_robot).collect();
+        members.sort_by(|a, b| a.robot.cmp(&b.robot));
+        let robots: Vec<String> = members.iter().map(|member| member.robot.clone()).collect();
         let said = size.named(name);
         let own = own_in_words(name, own_std, own_std_interval);
-        let as_well = match instead.len() {
-            0 => String::new(),
-            _ => format!("As well explained by {}. ", listed(&instead, 4)),
-        };
+        let mut as_well = String::new();
+        if !instead.is_empty() {
+            as_well = format!("As well explained by {}. ", listed(&instead, 4));
+        }
         let sentence = format!(
             "{} robots share {}: {said}; {own}. {as_well}Chance would make such a group in {} fleets.",
             robots.len(),
@@ -388,7 +383,7 @@ impl Candidate<'_> {
             std: size.std,
             own_std,
             own_std_interval,
-            members: of_group,
+            members,
             instead,
             chance: *chance,
             sentence,
