@@ -103,7 +103,7 @@ impl Evaluator {
         }
     }
 
-    /// Use the [`FASTEST`] kernels, where results are not written to files that are compared.
+    /// Use the fastest kernels, where results are not written to files that are compared.
     pub fn fastest(self) -> Evaluator {
         Evaluator {
             kernels: FASTEST,
@@ -225,7 +225,7 @@ pub const PORTABLE: Kernels = Kernels {
 };
 
 /// The runtime's kernels on the widest registers of this machine: within the same bounds.
-pub const FASTEST: Kernels = Kernels {
+pub(crate) const FASTEST: Kernels = Kernels {
     sin_cos: |angles, sin, cos| sines(*BEST, angles, sin, cos),
     power: PORTABLE.power,
 };

@@ -137,7 +137,7 @@ pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Error> {
 ///
 /// # Errors
 /// When the file cannot be written; nothing half-written stays.
-pub fn write_unsynced(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Error> {
+pub(crate) fn write_unsynced(path: &Path, contents: impl AsRef<[u8]>) -> Result<(), Error> {
     begun(path, contents)?.put(&mut unfinished())
 }
 

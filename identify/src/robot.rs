@@ -289,7 +289,7 @@ impl Stance {
     ///
     /// # Errors
     /// A support that is none of the robot's links.
-    pub fn model_on(&self, support: &str) -> Result<Model, Error> {
+    pub(crate) fn model_on(&self, support: &str) -> Result<Model, Error> {
         self.robot
             .model(support, self.snapping, self.parameters.as_deref())
     }
@@ -300,7 +300,7 @@ const LONGEST: u64 = 64 << 20;
 
 /// Why there is no URDF.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum XacroFailed {
+enum XacroFailed {
     #[error("the program `xacro` is not installed; install it, or give the URDF that it makes")]
     NotInstalled,
     #[error("standard input is not expanded by xacro; give the path of a file")]
@@ -318,7 +318,7 @@ pub(crate) enum XacroFailed {
 }
 
 /// What `xacro` makes of a file.
-pub(crate) fn expand(path: &Path) -> Result<String, XacroFailed> {
+fn expand(path: &Path) -> Result<String, XacroFailed> {
     if path.as_os_str() == "-" {
         return Err(XacroFailed::StandardInput);
     }

@@ -90,14 +90,12 @@ impl Request {
     fn check(&self) -> Result<(), Error> {
         let refused = |setting: Setting, what: String| Err(Error::request(message![setting, what]));
         if let Some(range) = self.range.filter(|r| !(r.is_finite() && *r > 0.0)) {
-            return refused(
-                Setting::Range,
-                format!(" {range}: give an angle above zero"),
-            );
+            let what = format!(" {range}: give an angle above zero");
+            return refused(Setting::Range, what);
         }
         let (dof, poses, noise) = (self.model.dof(), self.poses, self.noise);
-        let given = self.postures.as_ref().map(Vec::len);
-        if let Some(given) = given.filter(|given| *given != dof * poses) {
+        let given = self.postures.as_ref().map_or(dof * poses, Vec::len);
+        if given != dof * poses {
             let what =
                 format!(" {poses}: {given} positions given; one of each of {dof} joints is needed");
             return refused(Setting::Poses, what);
@@ -107,10 +105,8 @@ impl Request {
             return refused(Setting::Rate, what);
         }
         if !(noise.is_finite() && noise >= 0.0) {
-            return refused(
-                Setting::Noise,
-                format!(" {noise}: give metres, zero or more"),
-            );
+            let what = format!(" {noise}: give metres, zero or more");
+            return refused(Setting::Noise, what);
         }
         Ok(())
     }
@@ -442,17 +438,14 @@ fn hidden(context: &EffectContext, robot_kg: f64, text: &str) -> Result<EffectRe
     {
         let mut moving = context.clone();
         moving.times = true;
-        return Err(bad(match effect.targets(&moving).is_empty() {
-            true => {
-                "acts on the cells of a foot, and this robot has none; give a model file \
-                     with `cells`, or take another effect"
-            }
-            false => {
-                "acts on joint angles over time, which are logged as they are; to try it, \
-                      shift the joint columns of a log against its readings"
-            }
-        }
-        .to_string()));
+        let reason = if effect.targets(&moving).is_empty() {
+            "acts on the cells of a foot, and this robot has none; give a model file with `cells`, \
+             or take another effect"
+        } else {
+            "acts on joint angles over time, which are logged as they are; to try it, shift the \
+             joint columns of a log against its readings"
+        };
+        return Err(bad(reason.to_string()));
     }
     let target = known.and_then(|effect| context.target_named(effect, target));
     let (Some(effect), Some(target)) = (known, target) else {

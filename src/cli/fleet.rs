@@ -221,7 +221,7 @@ fn request(arguments: &Arguments, inputs: &[fleet::Group]) -> Result<fleet::Requ
     options.other_foot = feet.other;
     options.information = arguments.prior_out.is_some();
     if let Some(Only::Parameters) = arguments.only {
-        options.only = fleet::Only::Parameters;
+        options.only = Some(fleet::Only::Parameters);
     }
     let robot = Arc::new(arguments.robot.standing.robot(&arguments.robot.urdf)?);
     let mut request = fleet::Request::new(robot, fleet::groups(inputs));

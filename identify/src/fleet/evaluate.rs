@@ -98,19 +98,8 @@ impl Evaluation<'_> {
 
     /// Fill a row from logs of which some say where they stand.
     fn evaluate(&mut self, mut logs: Vec<Standing>, row: &mut Row) -> Result<(), Error> {
-        if self.options.only == Only::All {
-            // Several are diagnosed as one, of which each has to be read.
-            let mut blocks = Vec::new();
-            if logs.len() > 1 {
-                for log in mem::take(&mut logs) {
-                    let read = self.read(&log.log);
-                    if let Some(read) = self.noted(read)? {
-                        blocks.push(read);
-                        logs.push(log);
-                    }
-                }
-            }
-            let usable = self.diagnose(&logs, blocks, row);
+        if self.options.only.is_none() {
+            let usable = self.diagnose(&mut logs, row);
             if self.noted(usable)? != Some(true) {
                 return Ok(());
             }
@@ -219,7 +208,7 @@ impl Evaluation<'_> {
         let parts = parts.map(|(log, part)| (log.log.name().to_string(), part));
         request.parts = parts.collect();
         let found = fit(&request, self.watch)?.identification;
-        if self.options.only == Only::Parameters {
+        if self.options.only == Some(Only::Parameters) {
             row.fitted(&found);
             if !found.is_usable() {
                 return Ok(());
@@ -229,7 +218,7 @@ impl Evaluation<'_> {
         let known = parameters.map(|p| (p.value, p.std.filter(|std| std.is_finite())));
         (row.params, row.std) = known.unzip();
         // Effects that come and go in diagnoses are compared with it.
-        if self.options.information || self.options.only == Only::All {
+        if self.options.information || self.options.only.is_none() {
             let covariance = &found.estimate.covariance;
             let lower = (0..covariance.nrows()).flat_map(|i| (0..=i).map(move |j| (i, j)));
             row.covariance = lower.map(|place| covariance[place]).collect();
@@ -238,13 +227,19 @@ impl Evaluation<'_> {
     }
 
     /// Diagnose the logs as one; gives whether they are fit for a fit.
-    fn diagnose(
-        &mut self,
-        logs: &[Standing],
-        blocks: Vec<(Sidecar, Block)>,
-        row: &mut Row,
-    ) -> Result<bool, Error> {
-        let log = match logs {
+    fn diagnose(&mut self, logs: &mut Vec<Standing>, row: &mut Row) -> Result<bool, Error> {
+        // Several are diagnosed as one, of which each has to be read.
+        let mut blocks = Vec::new();
+        if logs.len() > 1 {
+            for log in mem::take(logs) {
+                let read = self.read(&log.log);
+                if let Some(read) = self.noted(read)? {
+                    blocks.push(read);
+                    logs.push(log);
+                }
+            }
+        }
+        let log = match &logs[..] {
             [] => return Ok(false),
             [one] => one.log.clone(),
             several => self.one_log(several, blocks)?,
@@ -317,13 +312,9 @@ impl Evaluation<'_> {
             let column: Vec<f64> = q.iter().skip(k).step_by(dofs.len()).copied().collect();
             table = table.numbers(&joint.joint, column);
         }
-        table = with_axes(table, ["cop_x", "cop_y"], &reading);
-        if let Some(std) = std {
-            table = with_axes(table, ["cop_x_std", "cop_y_std"], &std);
-        }
-        if let Some(gravity) = gravity {
-            table = with_axes(table, ["gravity_x", "gravity_y", "gravity_z"], &gravity);
-        }
+        table = with_axes(table, ["cop_x", "cop_y"], Some(reading));
+        table = with_axes(table, ["cop_x_std", "cop_y_std"], std);
+        table = with_axes(table, ["gravity_x", "gravity_y", "gravity_z"], gravity);
         Ok(LogSource::from(table).with_sidecar(sidecar))
     }
 }
@@ -344,8 +335,11 @@ fn column<T>(
     }
 }
 
-/// A column for each axis of some vectors.
-fn with_axes<const N: usize>(table: Table, names: [&str; N], rows: &[[f64; N]]) -> Table {
+/// A column for each axis of vectors, where there are some.
+fn with_axes<const N: usize>(table: Table, names: [&str; N], rows: Option<Vec<[f64; N]>>) -> Table {
+    let Some(rows) = rows else {
+        return table;
+    };
     (0..N).fold(table, |table, axis| {
         let column: Vec<f64> = rows.iter().map(|row| row[axis]).collect();
         table.numbers(names[axis], column)

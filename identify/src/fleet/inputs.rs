@@ -195,7 +195,8 @@ fn check_is_here(path: &Path) -> Result<(), Error> {
     )))
 }
 
-/// All logs that `data` names, each a group of its own. The last of `by` is the day, those before it the robot.
+/// All logs that `data` names, each a group of its own. The last of `by` is the day, those before
+/// it the robot.
 ///
 /// # Errors
 /// A pattern or file that names nothing, lists that cannot be read, addresses of object stores,

@@ -145,13 +145,11 @@ pub struct Failed {
 impl Failed {
     /// A file that cannot be read, with what the system says of it.
     pub(super) fn reading(path: &Path, error: &Error) -> Failed {
-        let error = match std::error::Error::source(error) {
-            Some(cause) if error.kind() == ErrorKind::Read => format!("{error}: {cause}"),
-            _ => error.to_string(),
-        };
+        let cause = std::error::Error::source(error).filter(|_| error.kind() == ErrorKind::Read);
+        let cause = cause.map_or(String::new(), |cause| format!(": {cause}"));
         Failed {
             input: path.display().to_string(),
-            error,
+            error: format!("{error}{cause}"),
         }
     }
 }
@@ -203,13 +201,9 @@ impl Store {
 
     /// The row under `key`; none where there is none, or a damaged one.
     pub(super) fn get(&self, key: &str) -> Option<Row> {
-        let path = self.path(key);
-        let about = fs::symlink_metadata(&path).ok()?;
         // Covariances of a robot of 500 joints are 10 MB.
-        if !about.is_file() || about.len() > 64 << 20 {
-            return None;
-        }
-        let entry: Entry<Row> = serde_json::from_slice(&fs::read(path).ok()?).ok()?;
+        let entry = files::read_found(&self.entry(key)?, 64).ok()?;
+        let entry: Entry<Row> = serde_json::from_slice(&entry).ok()?;
         let is_own = entry.key == key && entry.hash == hash(&entry.row).ok()?;
         (is_own && entry.row.is_whole()).then_some(entry.row)
     }
@@ -219,10 +213,9 @@ impl Store {
     /// # Errors
     /// When the folder or the file cannot be written.
     pub(super) fn put(&self, key: &str, row: &Row) -> Result<(), Error> {
-        let path = self.path(key);
-        if fs::symlink_metadata(&path).is_ok_and(|about| !about.is_file()) {
+        let Some(path) = self.entry(key) else {
             return Ok(());
-        }
+        };
         let folder = path.parent().unwrap_or(&self.folder);
         fs::create_dir_all(folder)
             .map_err(|error| Error::write(folder.display().to_string(), error))?;
@@ -232,9 +225,12 @@ impl Store {
         Ok(crate::files::write_unsynced(&path, entry)?)
     }
 
-    fn path(&self, key: &str) -> PathBuf {
+    /// The file under `key`, which may not be there; none where something else is in its place.
+    fn entry(&self, key: &str) -> Option<PathBuf> {
         let folder = self.folder.join(key.get(..2).unwrap_or("xx"));
-        folder.join(format!("{key}.json"))
+        let path = folder.join(format!("{key}.json"));
+        let about = fs::symlink_metadata(&path);
+        about.map_or(true, |about| about.is_file()).then_some(path)
     }
 }
 
@@ -304,7 +300,7 @@ mod tests {
         let store = Store::new(folder.path());
         store.put(key, row).unwrap();
         if key != KEY {
-            fs::rename(store.path(key), store.path(KEY)).unwrap();
+            fs::rename(store.entry(key).unwrap(), store.entry(KEY).unwrap()).unwrap();
         }
         store.get(KEY)
     }
@@ -333,9 +329,9 @@ mod tests {
         let store = Store::new(folder.path().join("store"));
         let precious = folder.path().join("precious");
         fs::write(&precious, "do not touch").unwrap();
-        fs::create_dir_all(store.path(KEY).parent().unwrap()).unwrap();
-        std::os::unix::fs::symlink(&precious, store.path(KEY)).unwrap();
-        fs::create_dir(store.path("ab35")).unwrap();
+        fs::create_dir_all(store.entry(KEY).unwrap().parent().unwrap()).unwrap();
+        std::os::unix::fs::symlink(&precious, store.entry(KEY).unwrap()).unwrap();
+        fs::create_dir(store.entry("ab35").unwrap()).unwrap();
         for key in [KEY, "ab35"] {
             store.put(key, &row()).unwrap();
             assert_eq!(store.get(key), None);

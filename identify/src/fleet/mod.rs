@@ -80,31 +80,22 @@ pub struct Options {
     pub both_feet: Option<bool>,
     /// The link that is the other sole.
     pub other_foot: Option<String>,
-    /// What is made of a group.
-    #[serde(skip_serializing_if = "Only::is_all")]
-    pub only: Only,
+    /// What is made of a group; diagnosis and fit unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub only: Option<Only>,
     /// Whether rows of parameters alone keep what they know of all of them together, as those of
     /// diagnoses do, for [`population`](population()).
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub information: bool,
 }
 
-/// What is made of a group.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// What alone is made of a group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Only {
-    /// Diagnosis and fit.
-    #[default]
-    All,
     /// The fit: parameters and health, without verdict and effects.
     Parameters,
-}
-
-impl Only {
-    fn is_all(&self) -> bool {
-        *self == Only::All
-    }
 }
 
 impl Default for Options {
@@ -119,7 +110,7 @@ impl Default for Options {
             motion: true,
             both_feet: None,
             other_foot: None,
-            only: Only::All,
+            only: None,
             information: false,
         }
     }
@@ -154,7 +145,7 @@ impl Options {
     pub(super) fn key(&self) -> String {
         let mut own = self.clone();
         // Rows of diagnoses are the same with it and without.
-        own.information &= own.only == Only::Parameters;
+        own.information &= own.only.is_some();
         let own = serde_json::to_string(&own).unwrap_or_default();
         let file = self.prior.as_deref();
         let text = file.and_then(|file| std::fs::read_to_string(file).ok());

@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow::{Break, Continue};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -223,11 +223,11 @@ pub fn work(
         error: Some(error.to_string()),
         ..Row::of(name.0, name.1, &logs)
     };
-    let own = group.urdf.as_deref().map(read_urdf).transpose();
+    let own = group.urdf.as_deref().map(|path| (path, read_urdf(path)));
     let robot = match own {
-        Ok(own) => own.map_or_else(|| Arc::clone(robot), Arc::new),
-        Err(error) => {
-            let path = group.urdf.as_deref().unwrap_or(Path::new(""));
+        None => Arc::clone(robot),
+        Some((_, Ok(own))) => Arc::new(own),
+        Some((path, Err(error))) => {
             done.failed.push(Failed::reading(path, &error));
             done.row = without_result("its URDF cannot be used");
             return Ok(done);

@@ -226,19 +226,13 @@ pub(super) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
 pub(super) struct Course<'r> {
     pub rows: Vec<&'r Row>,
     pub sizes: Vec<Size>,
-    freedom: f64,
 }
 
 impl<'r> Course<'r> {
     /// The sizes of a number on the days of these rows.
     pub(super) fn of(days: impl Iterator<Item = (&'r Row, Size)>) -> Course<'r> {
-        let (rows, sizes): (Vec<&Row>, Vec<Size>) = days.unzip();
-        let freedom = freedom(&rows);
-        Course {
-            rows,
-            sizes,
-            freedom,
-        }
+        let (rows, sizes) = days.unzip();
+        Course { rows, sizes }
     }
 
     /// The name of a day.
@@ -279,7 +273,7 @@ pub(super) fn freedom(rows: &[&Row]) -> f64 {
 /// Where a number changes, day after day. `tests` are the numbers that are looked at, besides
 /// days.
 pub(super) fn steps(course: &Course, tests: f64) -> Vec<Step> {
-    let days = course.sizes.len();
+    let (days, freedom) = (course.sizes.len(), freedom(&course.rows));
     // Of two kinds of numbers.
     let looks = 2.0 * tests * (days as f64 - 1.0);
     let mut steps: Vec<Step> = Vec::new();
@@ -290,7 +284,7 @@ pub(super) fn steps(course: &Course, tests: f64) -> Vec<Step> {
         if again && is_straight(sizes) {
             continue;
         }
-        let Some(Split { onset, ln_p }) = split(sizes, course.freedom) else {
+        let Some(Split { onset, ln_p }) = split(sizes, freedom) else {
             continue;
         };
         let chance = (ln_p + looks.ln()).exp().min(1.0);

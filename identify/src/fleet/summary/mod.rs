@@ -250,15 +250,15 @@ fn reasons(histories: &[History], shared: &[Shared], changes: &[Change]) -> Vec<
 
 /// The places that each may have.
 fn place(reasons: &mut [Reason]) {
-    let known: Vec<(f64, f64)> = reasons.iter().map(|r| (r.weight, r.weight_std)).collect();
-    for (reason, own) in reasons.iter_mut().zip(&known) {
-        let is_before = |one: &(f64, f64), other: &(f64, f64)| {
-            // At 97.5 % of a normal number; sums of the same weights may differ in their last digits.
-            one.0 - other.0 > 1.959_963_985 * one.1.hypot(other.1) + 1e-9
-        };
-        let before = known.iter().filter(|one| is_before(one, own)).count();
-        let after = known.iter().filter(|one| is_before(own, one)).count();
-        reason.places = [before + 1, known.len() - after];
+    // At 97.5 % of a normal number; sums of the same weights may differ in their last digits.
+    let is_before = |one: &Reason, other: &Reason| {
+        let std = one.weight_std.hypot(other.weight_std);
+        one.weight - other.weight > 1.959_963_985 * std + 1e-9
+    };
+    for k in 0..reasons.len() {
+        let before = reasons.iter().filter(|one| is_before(one, &reasons[k]));
+        let after = reasons.iter().filter(|one| is_before(&reasons[k], one));
+        reasons[k].places = [before.count() + 1, reasons.len() - after.count()];
     }
 }
 
@@ -276,11 +276,9 @@ fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<S
         let chance = change.chance.unwrap_or(0.0);
         all.push(Statement::new(weight, chance, sentence));
     }
-    for key in history
-        .keys()
-        .into_iter()
-        .filter(|key| lasts(history, *key))
-    {
+    let mut keys = history.keys();
+    keys.retain(|key| lasts(history, *key));
+    for key in keys {
         let group = shared.iter().find(|group| {
             (&*group.effect, &*group.target) == (key.effect, key.target)
                 && group.robots.iter().any(|robot| robot == history.robot)
