@@ -8,7 +8,7 @@
 use std::mem;
 use std::sync::Arc;
 
-use super::log::{Log, each_once, without_path};
+use super::log::{Log, each_once, row_of, without_path};
 use super::row::{Row, SCORES};
 use super::{Only, Options};
 use crate::diagnose::diagnose;
@@ -44,7 +44,7 @@ pub fn row(
     let mut row = Row {
         urdf_hash: robot.description.hash.clone(),
         support: options.support.clone().unwrap_or_default(),
-        ..Row::of(name, day, &logs)
+        ..row_of(name, day, &logs)
     };
     let mut group = Evaluation {
         robot,

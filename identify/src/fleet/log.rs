@@ -121,6 +121,17 @@ pub(super) fn each_once(logs: &[Log]) -> Vec<Log> {
     logs
 }
 
+/// The row of these logs, of which nothing came yet.
+pub(super) fn row_of(robot: &str, day: &str, logs: &[Log]) -> Row {
+    Row {
+        robot: robot.to_string(),
+        day: day.to_string(),
+        inputs: logs.iter().map(|log| log.hash.clone()).collect(),
+        version: env!("CARGO_PKG_VERSION").to_string(),
+        ..Row::default()
+    }
+}
+
 /// What messages call the log of this hash: the same wherever the file is.
 pub(super) fn name_of_log(hash: &str) -> String {
     format!("log {}", hash.get(..12).unwrap_or(hash))

@@ -17,7 +17,6 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 use sesc_model::effects::Fitted;
 
-use super::log::Log;
 use crate::Error;
 use crate::diagnose::words::named;
 use crate::diagnose::{Quantity, Report, Score, Step, Verdict};
@@ -242,17 +241,6 @@ const STUCK: &str = "No effect is named beside it: what explains angles that are
                      robot's. A diagnosis of the log alone says what it looks like.";
 
 impl Row {
-    /// The row of these logs, of which nothing came yet.
-    pub(super) fn of(robot: &str, day: &str, logs: &[Log]) -> Row {
-        Row {
-            robot: robot.to_string(),
-            day: day.to_string(),
-            inputs: logs.iter().map(|log| log.hash.clone()).collect(),
-            version: env!("CARGO_PKG_VERSION").to_string(),
-            ..Row::default()
-        }
-    }
-
     /// What rows have in common whose parameters have the same names and can be compared: the
     /// hash of the URDF and the support.
     pub fn model(&self) -> String {

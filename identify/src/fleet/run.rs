@@ -22,7 +22,7 @@ use super::Options;
 use super::evaluate::row;
 use super::inputs::Group;
 use super::log::{Failed, Log, each_once, name_of_log, name_of_urdf, read_urdf};
-use super::log::{Store, key};
+use super::log::{Store, key, row_of};
 use super::row::Row;
 use super::row::assembled;
 use crate::Error;
@@ -221,7 +221,7 @@ pub fn work(
     let name = (group.robot.as_str(), group.day.as_str());
     let without_result = |error: &str| Row {
         error: Some(error.to_string()),
-        ..Row::of(name.0, name.1, &logs)
+        ..row_of(name.0, name.1, &logs)
     };
     let own = group.urdf.as_deref().map(|path| (path, read_urdf(path)));
     let robot = match own {
