@@ -17,6 +17,7 @@ use sesc_identify::robot::Stance;
 use sesc_identify::simulate;
 use sesc_identify::simulate::hide;
 use sesc_reference::World;
+use sesc_test_support::command::Folder;
 use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::{Kind, Noise, Recording, draw};
 use sesc_test_support::stage::{Platform, Stage};
@@ -89,6 +90,29 @@ fn a_fit_knows_parameters_from_a_moving_log() {
     }
     let mean = parts.iter().sum::<f64>() / parts.len() as f64;
     assert!((0.88..=1.0).contains(&mean), "{parts:?}");
+}
+
+/// Rows that do not know their accelerations count neither as readings nor in what averaging took
+/// off their noise.
+#[test]
+fn a_part_of_a_moving_log_of_means_is_fitted() {
+    let log = recorded(|w| w, Swing::new(0.7, 0.15, 10.0), 50.0, 1).columns(true);
+    let names: Vec<&str> = log.iter().map(|(name, _)| name.as_str()).collect();
+    let mut rows = vec![names.join(",")];
+    for row in 0..log[0].1.len() {
+        let values: Vec<String> = log.iter().map(|(_, all)| all[row].to_string()).collect();
+        rows.push(values.join(","));
+    }
+    let folder = Folder::with("op2");
+    folder.write("log.csv", rows.join("\n"));
+    folder.write(
+        "log.csv.toml",
+        "support = \"r_sole\"\nreadings_per_pose = 100\n",
+    );
+    folder.stdout("fit op2.urdf --data log.csv --partial log.part");
+    let found = folder.json("fit log.part");
+    assert_eq!(found["motion"]["used"], true);
+    assert!(found["motion"]["rows_left_out"].as_u64() > Some(0));
 }
 
 fn diagnosed(recording: &Recording, motion: MotionModel) -> Diagnosis {

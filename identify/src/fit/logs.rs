@@ -283,6 +283,7 @@ impl<'r> Logs<'r> {
             let (samples, mut reader) = logged?;
             let name = samples.log.name();
             gathered.begin_log(timing);
+            let before = gathered.readings;
             let mut folding = Folding::default();
             loop {
                 let (block, motion) = reader.known_rows(BLOCK)?;
@@ -314,9 +315,9 @@ impl<'r> Logs<'r> {
                     rows: summary.rows,
                     times: summary.times,
                 });
-                gathered.averaged += reader.averaged() * summary.rows as f64;
             }
             gathered.end_log(measurement, reader.left_out, folding)?;
+            gathered.averaged += reader.averaged() * (gathered.readings - before) as f64;
         }
         Ok(gathered)
     }
