@@ -91,11 +91,9 @@ pub(super) fn again(data: &mut Postures, model: &Model) {
 /// Δ, and how it changes with positions of joints and with time.
 fn moved(data: &Postures, model: &Model) -> Moved {
     let motion = data.motion.clone().unwrap_or_default();
-    let (cad, tilts) = (model.cad_params(), tilts(data, model));
-    let zmp = Zmp::new(model);
+    let (zmp, tilts) = (Zmp::new(model), tilts(data, model));
     let mut moved = zmp.moved(&data.q, &motion, 0..data.len(), &tilts);
-    moved.slopes = zmp.slopes(&cad, &data.q, (&motion.rates, &motion.gains), &tilts);
-    moved.in_time = zmp.in_time(&cad, &data.q, &motion, &tilts, &moved.slopes);
+    zmp.tell_changes(&mut moved, &data.q, &motion, &tilts);
     moved
 }
 
@@ -133,7 +131,7 @@ fn share_of_readings(
     let rates = data.motion.as_ref().map_or(&[][..], |motion| &motion.rates);
     let by_delay = |row: usize| -> f64 {
         let own = rates.iter().skip(row / 2 * dof).take(dof).enumerate();
-        let slope = |joint| moved.slopes[2 * (row / 2 * dof + joint) + row % 2];
+        let slope = |joint: usize| moved.slopes[row / 2 * dof + joint][row % 2];
         let by_positions = own.map(|(joint, rate)| rate * (by_joint(row, joint) + slope(joint)));
         let by_motion = moved
             .in_time

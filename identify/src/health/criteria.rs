@@ -5,11 +5,6 @@
 /// large for a force plate and small for foot cells; twice as much overlooks small faults.
 pub(super) const UNKNOWN_NOISE_M: f64 = 1e-3;
 
-/// What is larger than so many deviations of the noise, or steps of a channel, shows: motion, the
-/// order of rows, the steps of a coarse channel. Chosen: half of it looks at motion in logs that
-/// stand; steps add Δ²/12 to the variance (closed form): as much as noise at 3.5 deviations.
-pub(super) const SHOWS: f64 = 3.0;
-
 // What hypotheses cost. A fault that leaves the variance f of the readings is found where a known
 // explanation leaves more than
 //
@@ -61,9 +56,6 @@ pub(super) const ENOUGH: usize = 30;
 /// Ratio of scatters that counts as the same. Chosen: shuffling keeps the scatter exactly; the
 /// factor is what an effect may add.
 pub(super) const ALIKE: (f64, f64) = (0.6, 1.6);
-/// One in this many shuffled logs agrees with some wiring by chance. Chosen: it is the rate of
-/// false alarms itself.
-pub(super) const CHANCE: f64 = 1000.0;
 
 /// Largest change of an encoder, or of a column of the CoP, that does not move, rad or m. Chosen:
 /// far below a tick of any encoder and a digit of any sensor.
@@ -83,9 +75,6 @@ pub(super) const ANYWHERE: (f64, f64) = (0.5, 0.1);
 pub(super) const PARKED_ROWS: usize = 50;
 /// Fewer rows than this are no finding. Chosen: half of it reports single dropped messages.
 pub(super) const FEW_ROWS: usize = 3;
-/// Less than this part of the median load is no contact. Chosen: twice as much calls a foot that is
-/// half unloaded lost.
-pub(super) const LOADED: f64 = 0.2;
 /// Part of the rows that is nearly all of them: more without contact, and the sensor is off; more
 /// stamped before the row above, and time runs backwards; in fewer within the limits of a joint,
 /// and the joint cannot be where readings have it. Chosen: the sentence changes, not what is left

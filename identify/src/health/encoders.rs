@@ -97,7 +97,7 @@ fn found(view: &View, joint: usize, far: &[f64], left: f64) -> (Finding, Stuck) 
         view.on.model.dof(),
         &view.on.model.tree.dofs[joint],
     );
-    let mut q = view.q.to_vec();
+    let mut q = view.q.clone();
     let own = q.iter_mut().skip(joint).step_by(dof);
     let positions = own.zip(far).map(|(q, far)| {
         *q += far;
@@ -165,7 +165,7 @@ fn explaining(
     by: Option<&Vec<f64>>,
 ) -> (Vec<f64>, f64) {
     let (n, dof) = (view.len(), view.on.model.dof());
-    let mut q = view.q.to_vec();
+    let mut q = view.q.clone();
     let mut far = vec![0.0; n];
     let gap = |cop: &[f64], row: usize| {
         let (k, axis) = (row / 2, row % 2);
@@ -183,21 +183,17 @@ fn explaining(
             (along, slope(x).powi(2) + slope(y).powi(2))
         };
         let length = |(along, size): (f64, f64)| (along / size.max(1e-30)).clamp(-0.3, 0.3);
-        if let Some(by) = by {
-            let steps = by.iter().enumerate().map(|(k, by)| (step(k), by));
+        let steps: Vec<(f64, f64)> = (0..n).map(step).collect();
+        let shared = by.map(|by| {
+            let steps = steps.iter().zip(by);
             let sum = steps.fold((0.0, 0.0), |(along, size), (step, by)| {
                 (along + by * step.0, size + by * by * step.1)
             });
-            far.iter_mut()
-                .zip(by)
-                .for_each(|(far, by)| *far += by * length(sum));
-        } else {
-            far.iter_mut()
-                .enumerate()
-                .for_each(|(k, far)| *far += length(step(k)));
-        }
-        for (k, far) in far.iter().enumerate() {
-            q[k * dof + joint] = view.q[k * dof + joint] + far;
+            (by, length(sum))
+        });
+        for (k, far) in far.iter_mut().enumerate() {
+            *far += shared.map_or_else(|| length(steps[k]), |(by, length)| by[k] * length);
+            q[k * dof + joint] = view.q[k * dof + joint] + *far;
         }
     }
     let cop = cop_of.run(&q, n);

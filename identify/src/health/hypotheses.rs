@@ -23,7 +23,7 @@
 //! here first.
 //!
 //! An axis of the readings goes with the postures where CAD under some wiring explains more of it
-//! than chance does in one of [`CHANCE`] logs:
+//! than chance does in one of 1/[`UNLIKELY`] logs:
 //!
 //! ```text
 //! R² of noise on 2 columns:    P(R² > x) = (1 − x)^((n − 3)/2)
@@ -39,14 +39,15 @@ use sesc_model::Function;
 use sesc_model::tree::{like_sole, sole_parts};
 
 use super::criteria::{
-    ALIKE, BY_CHANCE, CAD, CHANCE, ENOUGH, FAR_M, LEAST_YAW, MORE, MOVES_M, MUST_MOVE, SHOWS,
-    STILL, WIRING,
+    ALIKE, BY_CHANCE, CAD, ENOUGH, FAR_M, LEAST_YAW, MORE, MOVES_M, MUST_MOVE, STILL, WIRING,
 };
 use super::view::{
     Cop, View, centred, column, dot, left_by_gain, left_by_plane, mean, scatter, without,
 };
 use super::{Finding, Kind};
 use crate::evaluate::Evaluator;
+use crate::observations::criteria::noise::SHOWS;
+use crate::observations::criteria::repeats::UNLIKELY;
 use crate::observations::postures::rms;
 use crate::observations::rows::CopRows;
 use crate::tolerances::Tolerances;
@@ -263,8 +264,8 @@ pub(super) fn turned(view: &View) -> Option<Finding> {
 /// Whether every wiring leaves more than this of the readings, where `left` of an axis, m RMS, is
 /// what is left beside a CoP.
 pub(super) fn no_wiring_leaves(view: &View, left: impl Fn(usize, &Cop) -> f64, limit: f64) -> bool {
-    view.wired()
-        .all(|(_, com)| left_of(view, &left, &[0, 1].map(|k| column(&com, 3, k))) > limit)
+    let mut wired = view.wired();
+    wired.all(|(_, cop)| left_of(view, &left, &cop) > limit)
 }
 
 /// What is left beside a CoP, in variances of the noise, where `left` of an axis is, m RMS.
@@ -313,9 +314,9 @@ fn relates(view: &View, k: usize) -> bool {
     let mut wired = view.wired();
     let tests = 2.0 * wired.len() as f64;
     let free = (view.len() as f64 - 3.0).max(1.0);
-    let chance = (-(CHANCE * tests).ln() / free).exp() * scatter(&view.reading[k]);
+    let chance = ((UNLIKELY / tests).ln() / free).exp() * scatter(&view.reading[k]);
     let by_sensor = by_sensor(view);
-    wired.any(|(_, com)| by_sensor(k, &[0, 1].map(|k| column(&com, 3, k))) < chance)
+    wired.any(|(_, cop)| by_sensor(k, &cop) < chance)
 }
 
 /// Axes of the sensor that do not move where CAD moves them, whatever the wiring.
@@ -323,28 +324,27 @@ pub(super) fn dead_axes(view: &View) -> Option<Finding> {
     let few = view.few();
     let dead: Vec<usize> = (0..2).filter(|&k| is_dead(view, &few, k)).collect();
     let millimetres = |k: usize| 1e3 * scatter(&view.cad[k]);
-    let (kind, target, axis, sentence) = match dead[..] {
+    let (kind, axis, moves, remedy) = match dead[..] {
         [] => return None,
         [k] => {
-            let name = ["x", "y"][k];
-            let sentence = format!(
-                "cop_{name} does not move with the robot, where CAD moves it by {:.1} mm RMS: \
-                 check the sensor's wiring and the column.",
-                millimetres(k)
-            );
-            (Kind::CopAxisDead, name, k, sentence)
+            let remedy = "check the sensor's wiring and the column";
+            (Kind::CopAxisDead, k, millimetres(k), remedy)
         }
         _ => {
-            let sentence = format!(
-                "The CoP does not move with the robot, where CAD moves it by {:.1} mm RMS: check \
-                 that the sensor is on and that its topic is the right one.",
-                rms([0, 1].into_iter().map(millimetres))
-            );
+            let remedy = "check that the sensor is on and that its topic is the right one";
+            let both = rms([0, 1].into_iter().map(millimetres));
             // The axis that should move more shows it best.
             let axis = usize::from(millimetres(1) > millimetres(0));
-            (Kind::CopConstant, "-", axis, sentence)
+            (Kind::CopConstant, axis, both, remedy)
         }
     };
+    let (target, what) = match kind {
+        Kind::CopConstant => ("-", "The CoP"),
+        _ => (["x", "y"][axis], ["cop_x", "cop_y"][axis]),
+    };
+    let sentence = format!(
+        "{what} does not move with the robot, where CAD moves it by {moves:.1} mm RMS: {remedy}."
+    );
     Some(Finding::new(kind, target, sentence).showing(view.beside_cad(axis)))
 }
 
@@ -367,8 +367,7 @@ fn is_dead(view: &View, few: &View, k: usize) -> bool {
     let other = centred(&view.reading[1 - k]);
     let left = [1 - k, k].map(|k| scatter(&without(&other, &centred(&view.cad[k]))));
     let exchanged = left[1] < left[0] && MORE * left[1].powi(2) < scatter(&other).powi(2);
-    let in_unit =
-        |(in_unit, com): (bool, Vec<f64>)| !in_unit || scatter(&column(&com, 3, k)) > least;
+    let in_unit = |(in_unit, cop): (bool, Cop)| !in_unit || scatter(&cop[k]) > least;
     !exchanged && few.wired().all(in_unit) && (constant || !relates(few, k))
 }
 

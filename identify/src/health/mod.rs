@@ -24,7 +24,6 @@ mod rows;
 mod view;
 pub(crate) mod wirings;
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use sesc_model::{Function, Model, Snapping};
@@ -127,9 +126,9 @@ pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &Postures
         model,
         snapping,
     };
-    let mut views = vec![View::new(on, Cow::Borrowed(data))];
+    let mut views = vec![View::new(on, data)];
     if data.moved.is_some() {
-        views.push(View::new(on, Cow::Owned(data.standing())));
+        views.push(View::new(on, &data.standing()));
     }
     // A sensor whose axes are turned is an effect, which a diagnosis names.
     examine_views(&views, false)
@@ -179,8 +178,7 @@ pub(crate) fn look(
         model,
         snapping,
     };
-    let rows = LogRows::read(&samples, (robot, model), noise, watch)?;
-    let (left_out, findings) = judge_rows(&rows, on);
+    let (rows, left_out, findings) = judge(&samples, on, noise, watch)?;
     // At most 2000 postures.
     let stride = rows.len().div_ceil(2000).max(1);
     let kept = |k: &usize| {
@@ -215,21 +213,27 @@ pub(crate) fn screen(
     noise: Option<f64>,
     watch: &mut dyn Watch,
 ) -> Result<(Samples, Vec<Finding>), Error> {
-    let rows = LogRows::read(&samples, (robot, model), noise, watch)?;
     let on = On {
         robot,
         model,
         snapping: Snapping::default(),
     };
-    let (left_out, findings) = judge_rows(&rows, on);
+    let (_, left_out, findings) = judge(&samples, on, noise, watch)?;
     Ok((screened(samples, left_out), findings))
 }
 
-/// What is wrong with rows, by themselves and beside what CAD says, and what to leave out.
-fn judge_rows(rows: &LogRows, on: On) -> (LeftOut, Vec<Finding>) {
-    let (mut left_out, mut findings) = rows::judge(rows, on);
-    findings.extend(parked(rows, on, &mut left_out));
-    (left_out, findings)
+/// Rows of a log, what to leave out of them, and what is wrong with them, by themselves and beside
+/// what CAD says.
+fn judge(
+    samples: &Samples,
+    on: On,
+    noise: Option<f64>,
+    watch: &mut dyn Watch,
+) -> Result<(LogRows, LeftOut, Vec<Finding>), Error> {
+    let rows = LogRows::read(samples, on, noise, watch)?;
+    let (mut left_out, mut findings) = rows::judge(&rows, on);
+    findings.extend(parked(&rows, on, &mut left_out));
+    Ok((rows, left_out, findings))
 }
 
 /// A log without the rows that are to be left out.

@@ -5,8 +5,6 @@
 //! φ = q;  q π/180;  −q_j;  q_a ↔ q_b;  and each of the latter in degrees
 //! ```
 
-use std::borrow::Cow;
-
 use sesc_model::effects::{Catalog, EffectContext, Instance, Stage, Target};
 use sesc_model::{Function, Model, Snapping};
 
@@ -34,7 +32,7 @@ pub(super) struct View<'a> {
     pub on: On<'a>,
     pose: Vec<i64>,
     /// Joint positions, posture by posture, rad or m.
-    pub q: Cow<'a, [f64]>,
+    pub q: Vec<f64>,
     pub reading: Cop,
     /// Deviation of each reading, m; a guess where it is not known yet.
     pub std: Cop,
@@ -48,7 +46,7 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    pub fn new(on: On<'a>, data: Cow<'a, Postures>) -> View<'a> {
+    pub fn new(on: On<'a>, data: &Postures) -> View<'a> {
         let com = Evaluator::new(on.model, Function::Com).run(&data.q, data.len());
         let known = |std: f64| if std.is_nan() { UNKNOWN_NOISE_M } else { std };
         let std = |k: usize| column(&data.std, 2, k).into_iter().map(known).collect();
@@ -64,10 +62,7 @@ impl<'a> View<'a> {
             },
             cad: [0, 1].map(|k| column(&com, 3, k)),
             com,
-            q: match data {
-                Cow::Borrowed(data) => Cow::Borrowed(&data.q),
-                Cow::Owned(data) => Cow::Owned(data.q),
-            },
+            q: data.q.clone(),
         }
     }
 
@@ -83,7 +78,7 @@ impl<'a> View<'a> {
         View {
             on: self.on,
             pose: chosen.iter().map(|k| self.pose[*k]).collect(),
-            q: Cow::Owned(of(&self.q, dof)),
+            q: of(&self.q, dof),
             reading: both(&self.reading),
             std: both(&self.std),
             noise_is_known: self.noise_is_known,
@@ -116,10 +111,10 @@ impl<'a> View<'a> {
         rms(axis(0).chain(axis(1))).powi(2)
     }
 
-    /// CoM under every wiring, that of the log first, and whether angles are in the log's unit. Each
+    /// CoP by CAD under every wiring, that of the log first, and whether angles are in the log's unit. Each
     /// is made when it is asked for: exchanges of two joints are joints², and their joint positions
     /// joints³.
-    pub fn wired(&self) -> impl ExactSizeIterator<Item = (bool, Vec<f64>)> + '_ {
+    pub fn wired(&self) -> impl ExactSizeIterator<Item = (bool, Cop)> + '_ {
         let model = self.on.model;
         let context = EffectContext::new(model, &[], false, Catalog::standard());
         let com = Evaluator::new(model, Function::Com).fastest();
@@ -143,16 +138,16 @@ impl<'a> View<'a> {
             let in_unit = unit.is_none();
             let wiring: Vec<Instance> = unit.into_iter().chain(fault).collect();
             let q = wirings::positions(&context, &wiring, &self.q);
-            (in_unit, com.run(&q, self.len()))
+            let com = com.run(&q, self.len());
+            (in_unit, [0, 1].map(|k| column(&com, 3, k)))
         })
     }
 
     /// One axis of the readings beside what CAD says.
     pub fn beside_cad(&self, axis: usize) -> Picture {
         let title = ["CoP x, mm", "CoP y, mm"][axis];
-        let cad = |k: usize| 1e3 * self.cad[axis][k];
-        let read = |k: usize| 1e3 * self.reading[axis][k];
-        self.of_two(title, [&cad, &read], ["CAD", "reading"])
+        let both = |k: usize| [&self.cad, &self.reading].map(|cop| 1e3 * cop[axis][k]);
+        self.of_two(title, both, ["CAD", "reading"])
     }
 
     /// Distance of the readings from CAD's CoP as they should be meant, and as they are.
@@ -161,21 +156,16 @@ impl<'a> View<'a> {
             let gap = |axis: usize| self.reading[axis][k] - cop[axis][k];
             1e3 * gap(0).hypot(gap(1))
         };
-        let values: [&dyn Fn(usize) -> f64; 2] = [&|k| from(meant, k), &|k| from(&self.cad, k)];
-        self.of_two("Distance of the CoP from CAD's, mm", values, marks)
+        let both = |k: usize| [from(meant, k), from(&self.cad, k)];
+        self.of_two("Distance of the CoP from CAD's, mm", both, marks)
     }
 
     /// Two values of every posture: one that would be in order, and that of the finding.
-    fn of_two(
-        &self,
-        title: &str,
-        [sound, found]: [&dyn Fn(usize) -> f64; 2],
-        marks: [&str; 2],
-    ) -> Picture {
-        let both = |k: usize| vec![(sound(k), false), (found(k), true)];
+    fn of_two(&self, title: &str, both: impl Fn(usize) -> [f64; 2], marks: [&str; 2]) -> Picture {
+        let values = |k: usize| both(k).into_iter().zip([false, true]).collect();
         Picture {
             marks: Some(marks.map(str::to_string)),
-            ..Picture::new(title, self.len(), |k| self.row(k), both)
+            ..Picture::new(title, self.len(), |k| self.row(k), values)
         }
     }
 

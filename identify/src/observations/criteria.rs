@@ -7,20 +7,20 @@
 
 /// Explanations whose −2 log odds against the best are no more than this are as good: odds of
 /// 150 to 1. The score of a class: see `CLASS_SCORE` in `identify/src/diagnose/criteria.rs` for
-/// what the study counts of it.
+/// what the study counts of it. Correlation must gain more over none, too: by chance it does in one
+/// log of 600 (closed form, χ² of one), half of it in one of 39.
 pub const AS_GOOD: f64 = 10.0;
+
+/// Standard deviations from which a difference is no chance: of a share of motion from 1, of windows
+/// that scatter more than independent rows. Chosen: one log of 16,000 by chance, one of 30,000 to one
+/// side (closed form); half of it one of 22.
+pub const CERTAIN: f64 = 4.0;
 
 /// How many independent samples a log in time is worth.
 pub mod correlation {
-    /// Twice the log likelihood that correlation must gain over none. Chosen: by chance in one
-    /// log of 600 (closed form, χ² of one); half of it in one of 39.
-    pub const SIGNIFICANT: f64 = 10.0;
     /// Windows are tried on several lengths: they must gain more. Chosen: half of it finds
     /// correlation in white noise where several lengths are tried.
     pub const OF_WINDOWS: f64 = 16.0;
-    /// Standard deviations by which windows must scatter more than independent rows. Chosen:
-    /// one log of 30,000 by chance (closed form); half of it one of 44.
-    pub const SCATTER: f64 = 4.0;
     /// Standard deviations by which neighbours that are not alike may correlate. Chosen: one
     /// log of 2000 by chance (closed form); half of it one of 12.
     pub const ALIKE: f64 = 3.5;
@@ -49,11 +49,9 @@ pub mod correlation {
     /// More windows are not filtered: longer ones say the same of slow noise in less time.
     /// Chosen: it costs time, with its square.
     pub const FILTERED: usize = 1600;
-    /// Rows that correlation can be seen in, at least, beyond the columns of X. Chosen: half as
-    /// many give correlation times that are off by half.
+    /// Rows, or windows, that correlation can be seen in, at least, beyond what the columns of X
+    /// take. Chosen: half as many give correlation times that are off by half.
     pub const ENOUGH: usize = 20;
-    /// Windows beyond twice the columns of X. Chosen: as for rows.
-    pub const WINDOWS: usize = 20;
     /// More steps than this part that do not go forward are no order. Chosen: half of it
     /// refuses recordings with late messages.
     pub const BACKWARDS: f64 = 0.02;
@@ -83,12 +81,14 @@ pub mod accelerations {
     /// A joint moves where its acceleration is this many times what noise makes of one, RMS.
     /// Chosen: half of it takes noise of encoders for motion.
     pub const MOVES: f64 = 2.0;
-    /// Where the ground carries less of the weight, a row is no reading of a CoP. Closed form:
-    /// noise of the cells moves such a CoP five times as far, ten times at half of it. Chosen.
+    /// Where the ground carries less of the weight, or cells less of their median load, a row is no
+    /// reading of a CoP. Closed form: noise of the cells moves such a CoP five times as far, ten
+    /// times at half of it. Chosen.
     pub const LEAST_LOAD: f64 = 0.2;
-    /// Rows further apart than this, s, know no change of an acceleration. Closed form: a
-    /// parabola over them is 4 % off at 0.7 Hz, at twice as much 16 %.
-    pub const FAR_S: f64 = 0.12;
+    /// Parabolas through accelerations reach this far to either side where rows are dense, s; rows
+    /// further apart than twice that know no change of an acceleration. Closed form: a parabola
+    /// over such rows is 4 % off at 0.7 Hz, at twice as much 16 %.
+    pub const REACH_S: f64 = 0.06;
 }
 
 /// Whether readings show the motion of the joints.
@@ -97,9 +97,6 @@ pub mod motion {
     /// Chosen: odds of 7 to 1; half of it drops motion that is there, twice as much keeps it
     /// where it only adds noise.
     pub const SURE: f64 = 4.0;
-    /// A share this many deviations from 1, and off by [`CLEARLY`], is another one. Chosen: one
-    /// log of 16,000 by chance (closed form).
-    pub const ANOTHER: f64 = 4.0;
     /// A share that is off from 1 by less is 1: accelerations are not known better. Chosen: half
     /// of it calls errors of accelerations a share.
     pub const CLEARLY: f64 = 0.1;
@@ -113,12 +110,11 @@ pub mod noise {
     /// Rows beyond the rank that an estimate of the noise from residuals needs. Chosen: five
     /// know it to 32 % (closed form), half as many to 45 %.
     pub const ROWS: f64 = 5.0;
-    /// Degrees of freedom of repeats without which residuals say more of noise. Chosen: ten know
-    /// it to 22 % (closed form), half as many to 32 %.
-    pub const REPEATS: u64 = 10;
-    /// Values so many deviations away are odd, and left out of an estimate. Chosen: one value of
-    /// 370 by chance (closed form), with half of it one of 7.
-    pub const ODD: f64 = 3.0;
+    /// What is larger than so many deviations of the noise, or steps of a channel, shows: motion,
+    /// the order of rows, the steps of a coarse channel, values that are left out of an estimate.
+    /// Chosen: one value of 370 by chance (closed form), with half of it one of 7; steps add Δ²/12
+    /// to the variance (closed form): as much as noise at 3.5 deviations.
+    pub const SHOWS: f64 = 3.0;
     /// What noise has of the variance that a fit leaves, at least. Chosen: half of it lets
     /// effects be all of it.
     pub const LEAST_PART: f64 = 0.1;
@@ -129,10 +125,11 @@ pub mod noise {
 
 /// What repeated readings and visits of postures tell.
 pub mod repeats {
-    /// More than noise leaves with less than this chance is no noise. Chosen: it is the rate of
+    /// More than noise leaves with less than this chance is no noise, and rows that agree with a
+    /// wiring by less are not shuffled. Chosen: it is the rate of
     /// false alarms itself (closed form).
     pub const UNLIKELY: f64 = 1e-3;
-    /// Degrees of freedom of visits, or repeats, without which they are no measure of noise.
+    /// Degrees of freedom of visits, or repeats, without which residuals say more of noise.
     /// Chosen: ten degrees of freedom know a deviation to 22 % (closed form), half as many to
     /// 32 %.
     pub const FEWEST: u64 = 10;

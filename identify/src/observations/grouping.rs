@@ -168,61 +168,59 @@ impl<T: Default> Grouping<T> {
         let down = direction(gravity);
         let values = || q.iter().chain(&down).map(|&x| x as f32);
         let width = q.len() + down.len();
-        // A fold of its own: as good as drawn, and not that of the other posture.
-        let key = |moves: u64| pose.wrapping_add((moves as i64).wrapping_mul(0x5851_f42d));
-        let new = |key: i64| Posture {
-            key,
+        let most = self.most;
+        let known = (pose <= self.largest).then(|| self.known.get(&name));
+        let known = known.flatten().map(|number| *number as usize);
+        let number = known.or_else(|| self.last.filter(|last| *last == name).map(|_| most));
+        let mut new = Posture {
+            key: pose,
             own: T::default(),
             visits: 1,
             last_row: row,
             rows: 1,
             support: name.1,
         };
-        let most = self.most;
-        let known = match pose > self.largest {
-            true => None,
-            false => self.known.get(&name).map(|number| *number as usize),
-        };
-        let number = known.or_else(|| self.last.filter(|last| *last == name).map(|_| most));
-        let Some(number) = number else {
-            if self.postures.len() < most {
-                self.known.insert(name, self.postures.len() as u32);
-                self.largest = self.largest.max(pose);
-            } else {
-                self.last = Some(name);
-                self.postures.truncate(most);
-                self.at.truncate(most * width);
+        let mut visit = Visit::Same;
+        if let Some(number) = number {
+            let at = &mut self.at[number * width..(number + 1) * width];
+            let degrees = self.any_unit && at.iter().any(|a| a.abs() > TAU);
+            let jitter = if degrees { JITTER.to_degrees() } else { JITTER };
+            if !at.iter().zip(values()).any(|(a, b)| (a - b).abs() > jitter) {
+                let posture = &mut self.postures[number];
+                posture.visits += u32::from(posture.last_row + 1 < row);
+                posture.last_row = row;
+                posture.rows = posture.rows.saturating_add(1);
+                let rows = posture.rows as f32;
+                let mean = self.mean.iter_mut().skip(number * width).take(width);
+                mean.zip(values()).for_each(|(m, x)| *m += (x - *m) / rows);
+                return (posture, visit);
             }
-            self.at.extend(values());
-            return (self.begin(new(key(0)), width), Visit::Same);
-        };
-        let at = &mut self.at[number * width..(number + 1) * width];
-        let degrees = self.any_unit && at.iter().any(|a| a.abs() > TAU);
-        let jitter = if degrees { JITTER.to_degrees() } else { JITTER };
-        let is_near = !at.iter().zip(values()).any(|(a, b)| (a - b).abs() > jitter);
-        if is_near {
-            let posture = &mut self.postures[number];
-            posture.visits += u32::from(posture.last_row + 1 < row);
-            posture.last_row = row;
-            posture.rows = posture.rows.saturating_add(1);
-            let rows = posture.rows as f32;
-            let mean = self.mean.iter_mut().skip(number * width).take(width);
-            mean.zip(values()).for_each(|(m, x)| *m += (x - *m) / rows);
-            return (posture, Visit::Same);
+            self.moved += 1;
+            // A fold of its own: as good as drawn, and not that of the other posture.
+            new.key = pose.wrapping_add((self.moved as i64).wrapping_mul(0x5851_f42d));
+            visit = Visit::Moved;
+            if self.postures.len() >= most {
+                let pairs = at.iter_mut().zip(values());
+                pairs.for_each(|(to, from)| *to = from);
+                self.postures[number] = new;
+                return (&mut self.postures[number], visit);
+            }
         }
-        self.moved += 1;
-        let moved = new(key(self.moved));
         if self.postures.len() < most {
             self.known.insert(name, self.postures.len() as u32);
-            self.at.extend(values());
-            return (self.begin(moved, width), Visit::Moved);
+            self.largest = self.largest.max(pose);
+        } else {
+            self.last = Some(name);
+            self.postures.truncate(most);
+            self.at.truncate(most * width);
         }
-        at.iter_mut()
-            .zip(values())
-            .for_each(|(to, from)| *to = from);
-        let posture = &mut self.postures[number];
-        *posture = moved;
-        (posture, Visit::Moved)
+        self.at.extend(values());
+        let number = self.postures.len();
+        if number < LOOKED.min(most) {
+            self.mean.extend(values());
+        }
+        self.postures.push(new);
+        (&mut self.postures[number], visit)
     }
 
     /// Supports are few, rows are many.
@@ -237,16 +235,6 @@ impl<T: Default> Grouping<T> {
 }
 
 impl<T> Grouping<T> {
-    /// The next posture begins, whose first row is in `at`.
-    fn begin(&mut self, posture: Posture<T>, width: usize) -> &mut Posture<T> {
-        let number = self.postures.len();
-        if number < LOOKED.min(self.most) {
-            self.mean.extend(&self.at[number * width..]);
-        }
-        self.postures.push(posture);
-        &mut self.postures[number]
-    }
-
     /// Postures in the order of their first rows.
     pub fn postures(&self) -> &[Posture<T>] {
         &self.postures

@@ -13,8 +13,9 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::correlation;
+use super::criteria::CERTAIN;
 use super::criteria::accelerations::LONGEST_S;
-use super::criteria::motion::{ANOTHER, CLEARLY, SURE, TOLD};
+use super::criteria::motion::{CLEARLY, SURE, TOLD};
 use super::noise::LEAST_STD;
 
 /// Whether the motion of the joints counts.
@@ -47,7 +48,7 @@ impl Share {
 
     fn is_another(&self) -> bool {
         let off = (self.value - 1.0).abs();
-        off > ANOTHER * self.std && off > CLEARLY
+        off > CERTAIN * self.std && off > CLEARLY
     }
 
     /// Least squares of whitened rows `residual ≈ columns · x`, of which the first column is
@@ -174,10 +175,11 @@ impl MotionUse {
                 share.value,
                 share.std
             ),
+            // With two digits.
             (false, _, Some(step)) if step > LONGEST_S => format!(
-                "Rows are {} s apart, too far to know accelerations: readings are taken as those \
-                 of standing postures.",
-                short(step)
+                "Rows are {step:.*} s apart, too far to know accelerations: readings are taken as \
+                 those of standing postures.",
+                usize::from(step < 10.0)
             ),
             _ => String::new(),
         };
@@ -233,17 +235,7 @@ impl MotionUse {
         self.used |= other.used;
         self.rms_m = self.rms_m.max(other.rms_m);
         self.rows_left_out += other.rows_left_out;
-        self.step_s = match (self.step_s, other.step_s) {
-            (Some(a), Some(b)) => Some(a.max(b)),
-            (a, b) => a.or(b),
-        };
-    }
-}
-
-/// A time with two digits.
-fn short(seconds: f64) -> String {
-    match seconds {
-        s if s < 10.0 => format!("{s:.1}"),
-        s => format!("{s:.0}"),
+        let steps = self.step_s.into_iter().chain(other.step_s);
+        self.step_s = steps.reduce(f64::max);
     }
 }

@@ -17,9 +17,11 @@ use crate::logs::{Block, PostureReader};
 pub struct Moving {
     log: PostureReader,
     dof: usize,
-    plan: Option<Plan>,
+    /// How rows are differentiated; none where their motion is not known.
+    pub plan: Option<Plan>,
     wanted: Wanted,
-    step_s: Option<f64>,
+    /// Between rows, s, where times are in order.
+    pub step_s: Option<f64>,
     ahead: Option<Block>,
     /// Rows before the block ahead: times and joints.
     before: (Vec<f64>, Vec<f64>),
@@ -74,16 +76,6 @@ impl Moving {
             ahead: Some(first),
             ..Moving::new(log, dof, plan, wanted)
         })
-    }
-
-    /// Between rows, s, where times are in order.
-    pub fn step_s(&self) -> Option<f64> {
-        self.step_s
-    }
-
-    /// How rows are differentiated; none where their motion is not known.
-    pub fn plan(&self) -> Option<&Plan> {
-        self.plan.as_ref()
     }
 
     /// The next rows, at most `rows`; empty at the end. With their motion, where joints move.

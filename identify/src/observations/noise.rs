@@ -10,19 +10,17 @@
 //! A noise from few repeats is itself uncertain. Deviations of parameters are
 //! widened by `w`, so that ± 1.96 of them hold the truth as often as they say.
 
-use super::criteria::noise::{ODD, REPEATS, ROWS};
+use super::criteria::noise::{ROWS, SHOWS};
 use statrs::distribution::{Continuous as _, ContinuousCDF as _, Normal, StudentsT};
 
 use serde::Serialize;
 
-use super::criteria::repeats::UNLIKELY;
+use super::criteria::repeats::{FEWEST, UNLIKELY};
 use super::repeats::{self, LackOfFit};
 
-/// Stated deviations below this are taken for it, m: a row that weighs more would
-/// drown all others in rounding.
+/// Stated deviations below this are taken for it, m: a row that weighs more would drown all others
+/// in rounding, and a noise of zero would leave nothing to weigh a prior against.
 pub const LEAST_STD: f64 = 1e-9;
-/// A noise of zero would leave nothing to weigh a prior against, m.
-const LEAST_NOISE: f64 = 1e-9;
 /// Rounds of an estimate without odd values.
 const ROUNDS: usize = 10;
 
@@ -125,7 +123,7 @@ impl Noise {
                 sigma: 1.0,
                 ..Noise::new(stated, f64::INFINITY, NoiseSource::Stated)
             }),
-            (None, None) if repeats.1 >= REPEATS && repeats.0 > 0.0 => {
+            (None, None) if repeats.1 >= FEWEST && repeats.0 > 0.0 => {
                 let (square, df) = pooled(repeats, left);
                 return Some(Noise::new(square.sqrt(), df, NoiseSource::Repeats));
             }
@@ -140,7 +138,7 @@ impl Noise {
         match left.df >= ROWS && left.sum > 0.0 {
             true => Noise::new((left.sum / left.df).sqrt(), left.df, NoiseSource::Residuals),
             false => Noise::new(
-                left.of_cad.max(LEAST_NOISE),
+                left.of_cad.max(LEAST_STD),
                 f64::INFINITY,
                 NoiseSource::Unknown,
             ),
@@ -203,8 +201,16 @@ fn pooled(repeats: (f64, u64), left: Option<FreeResiduals>) -> (f64, f64) {
     }
 }
 
+/// The value below which a part of values lies; the upper one of two in the middle.
+pub fn quantile(values: impl Iterator<Item = f64>, part: f64) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    let at = part * (sorted.len() as f64 - 1.0);
+    sorted.get(at.round() as usize).copied()
+}
+
 /// Deviation of normal values about zero, of which a few may be odd: the RMS of those within
-/// `ODD` of it, for what normal values have there; it begins at the median size.
+/// `SHOWS` of it, for what normal values have there; it begins at the median size.
 ///
 /// ```text
 /// σ² = mean(x² | |x| < c σ) / (1 − 2 c φ(c) / (2Φ(c) − 1))
@@ -216,11 +222,11 @@ pub fn scale(values: &[f64]) -> f64 {
         return 0.0;
     };
     let normal = Normal::standard();
-    let inside = 2.0 * normal.cdf(ODD) - 1.0;
-    let kept = 1.0 - 2.0 * ODD * normal.pdf(ODD) / inside;
+    let inside = 2.0 * normal.cdf(SHOWS) - 1.0;
+    let kept = 1.0 - 2.0 * SHOWS * normal.pdf(SHOWS) / inside;
     let mut scale = median / normal.inverse_cdf(0.75);
     for _ in 0..ROUNDS {
-        let near = sizes.partition_point(|x| *x <= ODD * scale);
+        let near = sizes.partition_point(|x| *x <= SHOWS * scale);
         let square = sizes[..near].iter().map(|x| x * x).sum::<f64>() / near.max(1) as f64;
         scale = (square / kept).sqrt();
     }

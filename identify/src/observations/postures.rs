@@ -34,10 +34,9 @@ use known::Noise;
 
 /// Rows taken at once.
 pub(crate) const BLOCK: usize = 4096;
-/// A reading of which a joint took up more tells nothing of the noise; nor does an axis where
-/// fewer than one in so many readings is left.
+/// A reading of which a joint took up more tells nothing of the noise; nor does an axis of whose
+/// readings more are such.
 const MOST_SPENT: f64 = 0.75;
-const FEW_PART: usize = 4;
 /// Rows that say how a log is differentiated.
 pub(crate) const HEAD: usize = 20_000;
 
@@ -56,8 +55,9 @@ pub struct Postures {
     pub std: Vec<f64>,
     /// What each entry is less known by for reasons of its own, m; empty where for none.
     pub less_known: Vec<f64>,
-    /// What each entry of `reading` tells of a joint that is not known; empty where all are.
-    pub spent: Vec<Spent>,
+    /// What each entry of `reading` is less known by since the position of a joint was taken from
+    /// it, m; empty where encoders are believed.
+    pub spent: Vec<f64>,
     /// Time of each posture, s.
     pub t: Option<Vec<f64>>,
     /// Noise of a posture's reading on one axis without the floor, m.
@@ -103,15 +103,6 @@ pub struct Postures {
     pub moved: Option<Arc<Moved>>,
     /// How motion counts.
     pub motion_use: MotionUse,
-}
-
-/// A reading from which the position of a joint was taken.
-#[derive(Debug, Clone, Copy)]
-pub struct Spent {
-    /// What its deviation gained by that, m.
-    pub less_known: f64,
-    /// Part of its variance that the position took up.
-    pub part: f64,
 }
 
 impl Postures {
@@ -196,7 +187,7 @@ impl Postures {
         if gathering.kept.is_empty() {
             return Ok(None);
         }
-        if reader.plan().is_none() || gathering.known.is_of_stays() {
+        if reader.plan.is_none() || gathering.known.is_of_stays() {
             gathering.join_reached_again(model);
         }
         let single = (1.0 - reader.averaged()).sqrt();
@@ -209,9 +200,8 @@ impl Postures {
             let mean = |posture: &Posture| posture.other.map(|sum| sum / posture.rows);
             data.other_contact = gathering.kept.iter().map(mean).collect();
         }
-        data.motion_use.step_s = reader.step_s();
-        let planned = reader.plan().is_some();
-        data.motion = planned.then(|| gathering.motion(dof));
+        data.motion_use.step_s = reader.step_s;
+        data.motion = reader.plan.is_some().then(|| gathering.motion(dof));
         data.summary = reader.summary();
         data.rows = taken;
         data.warnings.splice(0..0, reader.warnings.iter().cloned());
@@ -322,18 +312,24 @@ impl Postures {
     pub fn take_noise(&mut self, left: &[f64], taken: f64) {
         let share = (1.0 - taken / left.len() as f64).max(0.1).sqrt();
         let floor = self.floor.max(1e-6);
+        // Part of the variance of a reading that the position of a joint took up.
+        let part = |row: usize| {
+            self.spent.chunks_exact(2).nth(row / 2).map_or(0.0, |pair| {
+                let all: f64 = pair.iter().map(|x| x * x).sum();
+                pair[row % 2] * pair[row % 2] / all.max(f64::MIN_POSITIVE)
+            })
+        };
         let of_axis = |axis: usize| -> Vec<f64> {
             let own = left.iter().enumerate().skip(axis).step_by(2);
-            own.filter_map(|(row, left)| match self.spent.get(row) {
-                Some(spent) if spent.part > MOST_SPENT => None,
-                Some(spent) => Some(left / (1.0 - spent.part).sqrt()),
-                None => Some(*left),
-            })
-            .collect()
+            let own = own.map(|(row, left)| (part(row), left));
+            own.filter(|(part, _)| *part <= MOST_SPENT)
+                .map(|(part, left)| left / (1.0 - part).sqrt())
+                .collect()
         };
         let own = [0, 1].map(of_axis);
         // An axis that is spent has the noise of the other.
-        let few = |axis: usize| FEW_PART * own[axis].len() < left.len() / 2;
+        let least = (1.0 - MOST_SPENT) * (left.len() / 2) as f64;
+        let few = |axis: usize| (own[axis].len() as f64) < least;
         let axes = [0, 1].map(|axis| {
             let of = if few(axis) { 1 - axis } else { axis };
             let size = noise::scale(&own[of]) / share;
@@ -344,21 +340,14 @@ impl Postures {
                 .sqrt()
         });
         self.noise = rms(axes.into_iter());
-        let moved = self
-            .moved
-            .iter()
-            .flat_map(|moved| moved.std.iter().flatten());
+        let moved = self.moved.iter();
+        let moved = moved.flat_map(|moved| moved.std.as_flattened());
         self.noise_floor = self.noise.hypot(floor).hypot(rms(moved.copied()));
         for (row, std) in self.std.iter_mut().enumerate() {
             *std = axes[row % 2].hypot(floor);
         }
-        let own = self.less_known.iter();
-        for (std, own) in self.std.iter_mut().zip(own) {
-            *std = std.hypot(*own);
-        }
-        for (std, own) in self.std.iter_mut().zip(&self.spent) {
-            *std = std.hypot(own.less_known);
-        }
+        add_noise(&mut self.std, &self.less_known);
+        add_noise(&mut self.std, &self.spent);
     }
 
     /// The noise of each axis is `factors` times as large as it was taken to be.
@@ -369,18 +358,6 @@ impl Postures {
         let overall = rms(factors.into_iter());
         self.noise *= overall;
         self.noise_floor *= overall;
-    }
-
-    /// Count each reading for less known by `by`, m, beside what it is less known by already.
-    pub fn trust_less(&mut self, by: &[f64]) {
-        for (std, own) in self.std.iter_mut().zip(by) {
-            *std = std.hypot(*own);
-        }
-        self.less_known
-            .resize(by.len().max(self.less_known.len()), 0.0);
-        for (all, own) in self.less_known.iter_mut().zip(by) {
-            *all = all.hypot(*own);
-        }
     }
 
     /// Leave out postures whose motion is not known.
@@ -410,18 +387,17 @@ impl Postures {
             *first = *firsts.entry(*first).or_insert(k);
         }
         if let Some(motion) = &mut self.motion {
-            for all in motion.columns() {
-                keep_some(all, width, keep);
-            }
-            keep_some(&mut motion.known, 1, keep);
+            motion.keep(keep);
         }
     }
 
     /// Readings are those of a robot that is `moved`.
     pub fn move_by(&mut self, moved: Moved) {
-        let less_known = moved.std.concat();
+        let less_known = moved.std.as_flattened();
         self.noise_floor = self.noise_floor.hypot(rms(less_known.iter().copied()));
-        self.trust_less(&less_known);
+        add_noise(&mut self.std, less_known);
+        self.less_known.resize(less_known.len(), 0.0);
+        add_noise(&mut self.less_known, less_known);
         self.tell_moved(moved);
     }
 
@@ -443,32 +419,16 @@ impl Postures {
         let width = self.q.len() / self.len().max(1);
         let own = self.q.iter_mut().skip(joint).step_by(width.max(1));
         own.zip(positions).for_each(|(q, at)| *q = *at);
-        for (std, own) in self.std.iter_mut().zip(less_known) {
-            *std = std.hypot(*own);
-        }
-        let spent = |own: &[f64]| {
-            let all = own
-                .iter()
-                .map(|x| x * x)
-                .sum::<f64>()
-                .max(f64::MIN_POSITIVE);
-            let of = |x: &f64| Spent {
-                less_known: *x,
-                part: x * x / all,
-            };
-            own.iter().map(of).collect::<Vec<_>>()
-        };
-        self.spent = less_known.chunks_exact(2).flat_map(spent).collect();
+        add_noise(&mut self.std, less_known);
+        self.spent = less_known.to_vec();
     }
 
     /// The log with what motion adds taken from its readings.
     pub fn standing(&self) -> Postures {
         let mut data = self.clone();
         if let Some(moved) = &self.moved {
-            let shift = moved.shift.iter().flatten();
-            for (reading, shift) in data.reading.iter_mut().zip(shift) {
-                *reading -= shift;
-            }
+            let pairs = data.reading.iter_mut().zip(moved.shift.as_flattened());
+            pairs.for_each(|(reading, shift)| *reading -= shift);
         }
         data
     }
@@ -484,6 +444,12 @@ impl Postures {
     }
 }
 
+/// Add noise to deviations, in quadrature.
+fn add_noise(std: &mut [f64], by: &[f64]) {
+    let pairs = std.iter_mut().zip(by);
+    pairs.for_each(|(std, by)| *std = std.hypot(*by));
+}
+
 /// Least and largest of some values.
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let none = (f64::INFINITY, f64::NEG_INFINITY);
@@ -493,9 +459,5 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 /// Root of the mean square; zero of nothing.
 pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, n), x| (sum + x * x, n + 1.0));
-    if count > 0.0 {
-        f64::sqrt(sum / count)
-    } else {
-        0.0
-    }
+    f64::sqrt(sum / f64::max(count, 1.0))
 }

@@ -150,9 +150,10 @@ impl<'r> Measurement<'r> {
     pub fn moving_rows(&mut self, block: &Block, motion: Option<&Motion>) -> Result<Rows, Error> {
         let (n, p) = (block.len(), self.model().base.params.len());
         let dof = self.model().dof();
+        let read = block.reading.as_ref().map(|all| all.as_flattened());
         let mut rows = Rows {
             matrix: RowMatrix::zeros(2 * n, p),
-            reading: DVector::zeros(2 * n),
+            reading: read.map_or_else(|| DVector::zeros(2 * n), DVector::from_column_slice),
             motion: Vec::new(),
         };
         let mut start = 0;
@@ -161,11 +162,10 @@ impl<'r> Measurement<'r> {
             let link = support(start);
             let count = (start..n).take_while(|k| support(*k) == link).count();
             let standing = self.stand_on(link)?;
-            check_joints(&self.standing[standing].model, block.q.len() / n)?;
+            check_joints(&standing.model, block.q.len() / n)?;
             let gravity = block.gravity.as_ref().map(|all| &all[start..start + count]);
             let tilts = gravity.map(|all| all.iter().map(|g| tilt(*g)).collect::<Vec<_>>());
             let q = &block.q[start * dof..(start + count) * dof];
-            let standing = &mut self.standing[standing];
             let moved = motion.map(|motion| {
                 let level = vec![[0.0; 2]; count];
                 let tilts = tilts.as_deref().unwrap_or(&level);
@@ -176,15 +176,11 @@ impl<'r> Measurement<'r> {
             });
             let own = 2 * start..2 * (start + count);
             let reading = &mut rows.reading.as_mut_slice()[own.clone()];
-            if let Some(all) = &block.reading {
-                let flat = all[start..start + count].iter().flatten();
-                reading.iter_mut().zip(flat).for_each(|(y, cop)| *y = *cop);
-            }
             if let Some(moved) = &moved {
                 let flat = moved.correction.iter().flatten();
                 reading.iter_mut().zip(flat).for_each(|(y, by)| *y -= by);
-                let pairs = moved.shift.iter().zip(&moved.std);
-                rows.motion.extend(pairs.map(|(shift, std)| (*shift, *std)));
+                let std = moved.std.iter().copied();
+                rows.motion.extend(moved.shift.iter().copied().zip(std));
             }
             let entries = &mut rows.matrix.entries[own.start * p..own.end * p];
             match (&standing.shift, moved) {
@@ -217,34 +213,29 @@ impl<'r> Measurement<'r> {
         known: &Grouping<Group>,
     ) -> Result<Option<Vec<usize>>, Error> {
         let cad = DVector::from_vec(self.model().cad_params());
-        repeats.join_reached_again(
-            known,
-            |own| own,
-            |stances: &[Stance<'_>]| {
-                let block = Block {
-                    line: vec![0; stances.len()],
-                    q: stances.iter().flat_map(|at| at.q.clone()).collect(),
-                    support: Some(stances.iter().map(|at| at.support.into()).collect()),
-                    gravity: Some(stances.iter().map(|at| at.gravity).collect()),
-                    ..Block::default()
-                };
-                let left = self.rows(&block)?.residual(&cad);
-                Ok(left.iter().map(|left| -left).collect())
-            },
-        )
+        repeats.join_reached_again(known, |stances: &[Stance<'_>]| {
+            let block = Block {
+                line: vec![0; stances.len()],
+                q: stances.iter().flat_map(|at| at.q.clone()).collect(),
+                support: Some(stances.iter().map(|at| at.support.into()).collect()),
+                gravity: Some(stances.iter().map(|at| at.gravity).collect()),
+                ..Block::default()
+            };
+            let left = self.rows(&block)?.residual(&cad);
+            Ok(left.iter().map(|left| -left).collect())
+        })
     }
 
-    /// Index of the standing on `link` (the first where none is named).
-    fn stand_on(&mut self, link: &str) -> Result<usize, Error> {
+    /// The robot as it stands on `link` (the first where none is named).
+    fn stand_on(&mut self, link: &str) -> Result<&mut Standing, Error> {
         let known = |s: &Standing| s.link == link || link.is_empty();
         if let Some(at) = self.standing.iter().position(known) {
-            return Ok(at);
+            return Ok(&mut self.standing[at]);
         }
         let model = self.robot.model(link, self.snapping, None)?;
-        let shift = self
-            .standing
-            .first()
-            .map(|first| model.params_from(&first.model));
+        let first = self.standing.first();
+        let shift = first.map(|first| model.params_from(&first.model));
+        let at = self.standing.len();
         self.standing.push(Standing {
             link: link.to_string(),
             rows: CopRows::new(&model).fastest(),
@@ -252,6 +243,6 @@ impl<'r> Measurement<'r> {
             model,
             shift,
         });
-        Ok(self.standing.len() - 1)
+        Ok(&mut self.standing[at])
     }
 }

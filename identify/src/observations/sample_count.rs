@@ -73,7 +73,9 @@ impl Sum {
 
     /// Rows of one log; `timed` where its times run forward.
     pub fn push(&mut self, rows: u64, axes: &[Correlation; 2], timed: bool) {
-        let worst = worst(axes);
+        // The axis that has fewer independent samples.
+        let is_first = axes[0].rows_per_sample > axes[1].rows_per_sample;
+        let worst = axes[usize::from(!is_first)];
         self.rows += rows;
         self.independent += rows as f64 / worst.rows_per_sample;
         self.correlation_s = self.correlation_s.max(worst.time_s);
@@ -98,14 +100,6 @@ impl Sum {
             correlation_s: self.correlation_s,
             assumed: self.assumed || self.rows < rows,
         }
-    }
-}
-
-/// Correlation of the axis that has fewer independent samples.
-pub fn worst(axes: &[Correlation; 2]) -> Correlation {
-    match axes[0].rows_per_sample > axes[1].rows_per_sample {
-        true => axes[0],
-        false => axes[1],
     }
 }
 

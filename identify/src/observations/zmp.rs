@@ -12,7 +12,7 @@
 //! `σ² = Σ_j a_j² + b_j² + 2 ρ a_j b_j`, `a_j = (∂p/∂q̈_j) σ(q̈_j)`, `b_j = (∂c/∂q_j) σ(q_j)`, where ρ is
 //! their correlation: an acceleration is made of the position that was read, too.
 
-use super::criteria::accelerations::LEAST_LOAD;
+use std::array;
 use std::ops::Range;
 
 use sesc_model::effects::PostureContext;
@@ -20,6 +20,7 @@ use sesc_model::inertia::GRAVITY;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Model, motion_parts, motion_rows};
 
+use super::criteria::accelerations::LEAST_LOAD;
 use super::motion::Motion;
 use super::row_matrix::RowMatrix;
 use crate::evaluate::FASTEST;
@@ -60,8 +61,9 @@ pub struct Moved {
     pub correction: Vec<[f64; 2]>,
     /// Deviation of the ZMP because accelerations and positions are not known better, m.
     pub std: Vec<[f64; 2]>,
-    /// ∂shift/∂q_j, x and y of each joint in turn, m/rad or 1; empty until asked for.
-    pub slopes: Vec<f64>,
+    /// ∂shift/∂q_j, x and y, posture by posture and joint by joint, m/rad or 1; empty until asked
+    /// for.
+    pub slopes: Vec<[f64; 2]>,
     /// First and second derivative of the shift in time beside what slopes make of velocities and
     /// accelerations, m/s and m/s², x and y each; empty until asked for.
     pub in_time: Vec<[[f64; 2]; 2]>,
@@ -80,10 +82,8 @@ impl Moved {
         }
         let width = self.slopes.len() / self.shift.len().max(1);
         let slopes = &self.slopes[k * width..(k + 1) * width];
-        for (joint, slopes) in slopes.chunks_exact(2).enumerate() {
-            for (axis, slope) in slopes.iter().enumerate() {
-                context[layout.shift_slope(joint, axis)] = *slope;
-            }
+        for (joint, slopes) in slopes.iter().enumerate() {
+            (0..2).for_each(|axis| context[layout.shift_slope(joint, axis)] = slopes[axis]);
         }
     }
 
@@ -197,15 +197,13 @@ impl Zmp {
 
     fn parts(&self, out: &[f64], params: &[f64]) -> Parts {
         let p = params.len();
-        let of = |row: usize| -> f64 {
-            let row = &out[row * p..(row + 1) * p];
-            row.iter().zip(params).map(|(a, b)| a * b).sum()
-        };
-        Parts {
-            com: [of(0), of(1), of(2)],
-            gain: [of(3), of(4), of(5)],
-            spin: [out[6 * p], out[6 * p + 1]],
-        }
+        Parts::of(array::from_fn(|part| match part {
+            6 | 7 => out[6 * p + part - 6],
+            row => {
+                let row = &out[row * p..(row + 1) * p];
+                row.iter().zip(params).map(|(a, b)| a * b).sum()
+            }
+        }))
     }
 
     /// The ZMP less the static CoP of parameters `params`, m, of postures `q`; `tilts` as
@@ -231,20 +229,19 @@ impl Zmp {
         rows: Range<usize>,
         tilts: &[[f64; 2]],
     ) -> Moved {
-        let (n, p) = (tilts.len(), self.params.len());
-        let stands = motion.gains_std[rows.start * self.dof..rows.end * self.dof]
-            .iter()
-            .all(|std| *std <= 0.0);
-        let levers = match stands {
-            true => vec![Lever::default(); self.dof],
-            false => self.levers(q),
+        let n = tilts.len();
+        let mut std = motion.gains_std[rows.start * self.dof..rows.end * self.dof].iter();
+        let levers = if std.all(|std| *std <= 0.0) {
+            vec![Lever::default(); self.dof]
+        } else {
+            self.levers(q)
         };
         let parts = by_parts(0..n, PART, |own| {
             let of_log = rows.start + own.start..rows.start + own.end;
             let q = &q[own.start * self.dof..own.end * self.dof];
             self.moved_part(q, (motion, of_log), &tilts[own], &levers)
         });
-        let mut moved = Moved::with_room(n, p);
+        let mut moved = Moved::with_room(n, self.params.len());
         for part in parts {
             moved.rows.entries.extend(part.rows.entries);
             moved.shift.extend(part.shift);
@@ -262,19 +259,16 @@ impl Zmp {
         tilts: &[[f64; 2]],
         levers: &[Lever],
     ) -> Moved {
-        let (n, p) = (tilts.len(), self.params.len());
         let own = rows.start * self.dof..rows.end * self.dof;
-        let (rates, gains) = (&motion.rates[own.clone()], &motion.gains[own.clone()]);
-        let read = self.run(&self.by_cad, [q, rates, gains]);
+        let motion_read = [q, &motion.rates[own.clone()], &motion.gains[own.clone()]];
+        let read = self.run(&self.by_cad, motion_read);
         // Where nothing smooth is known, rows have the noise of the readings' motion.
-        let of_rows = match &motion.smooth {
-            Some(smooth) => {
-                let smooth = [&smooth.q, &smooth.rates, &smooth.gains];
-                self.run(&self.tape, smooth.map(|all| &all[own.clone()]))
-            }
-            None => self.run(&self.tape, [q, rates, gains]),
-        };
-        let mut moved = Moved::with_room(n, p);
+        let smooth = motion.smooth.as_ref().map(|smooth| {
+            let smooth = [&smooth.q, &smooth.rates, &smooth.gains];
+            smooth.map(|all| &all[own.clone()])
+        });
+        let of_rows = self.run(&self.tape, smooth.unwrap_or(motion_read));
+        let mut moved = Moved::with_room(tilts.len(), self.params.len());
         let (read, _) = read.as_chunks::<8>();
         let both = read.iter().zip(of_rows.chunks_exact(self.tape.outputs()));
         for (row, ((read, of_rows), tilt)) in rows.zip(both.zip(tilts)) {
@@ -288,73 +282,45 @@ impl Zmp {
         moved
     }
 
-    /// How what motion adds changes with the position of each joint, m/rad or 1: x and y of
-    /// each joint in turn.
-    pub fn slopes(
-        &self,
-        params: &[f64],
-        q: &[f64],
-        (rates, gains): (&[f64], &[f64]),
-        tilts: &[[f64; 2]],
-    ) -> Vec<f64> {
-        let base = self.shifts(params, q, (rates, gains), tilts);
-        let mut slopes = vec![0.0; 2 * q.len()];
-        for joint in 0..self.dof {
-            let mut moved = q.to_vec();
-            let own = moved.iter_mut().skip(joint).step_by(self.dof);
+    /// Tell how what motion adds to postures `q` changes with the position of each joint, and along
+    /// their `motion`.
+    pub fn tell_changes(&self, moved: &mut Moved, q: &[f64], motion: &Motion, tilts: &[[f64; 2]]) {
+        let (dof, known) = (self.dof, motion);
+        let shifts = |q: &[f64], rates: &[f64], gains: &[f64]| {
+            self.shifts(&self.params, q, (rates, gains), tilts)
+        };
+        let here = shifts(q, &known.rates, &known.gains);
+        moved.slopes = vec![[0.0; 2]; q.len()];
+        for joint in 0..dof {
+            let mut turned = q.to_vec();
+            let own = turned.iter_mut().skip(joint).step_by(dof);
             own.for_each(|q| *q += STEP);
-            let moved = self.shifts(params, &moved, (rates, gains), tilts);
-            for (k, (after, before)) in moved.iter().zip(&base).enumerate() {
-                for axis in 0..2 {
-                    let at = 2 * (k * self.dof + joint) + axis;
-                    slopes[at] = (after[axis] - before[axis]) / STEP;
-                }
+            let turned = shifts(&turned, &known.rates, &known.gains);
+            for (k, (after, before)) in turned.iter().zip(&here).enumerate() {
+                let slope = |axis: usize| (after[axis] - before[axis]) / STEP;
+                moved.slopes[k * dof + joint] = [0, 1].map(slope);
             }
         }
-        slopes
-    }
-
-    /// Δ̇ and Δ̈ of postures `q` along their `motion`, less what `slopes` make of velocities and
-    /// accelerations; x and y each.
-    pub fn in_time(
-        &self,
-        params: &[f64],
-        q: &[f64],
-        motion: &Motion,
-        tilts: &[[f64; 2]],
-        slopes: &[f64],
-    ) -> Vec<[[f64; 2]; 2]> {
-        let Motion {
-            rates,
-            gains,
-            jerks,
-            snaps,
-            ..
-        } = motion;
         // Where all derivatives but the last are known, `dt` later.
-        let later = |dt: f64, of: [&[f64]; 3]| -> Vec<f64> {
-            let [x, rate, gain] = of;
+        let later = |dt: f64, [x, rate, gain]: [&[f64]; 3]| -> Vec<f64> {
             let all = x.iter().zip(rate).zip(gain);
             all.map(|((x, rate), gain)| x + dt * (rate + 0.5 * dt * gain))
                 .collect()
         };
-        let at = |dt: f64| {
-            let q = later(dt, [q, rates, gains]);
-            let rates = later(dt, [rates, gains, jerks]);
-            let gains = later(dt, [gains, jerks, snaps]);
-            self.shifts(params, &q, (&rates, &gains), tilts)
-        };
-        let [before, here, after] = [-STEP_S, 0.0, STEP_S].map(at);
+        let [before, after] = [-STEP_S, STEP_S].map(|dt| {
+            let q = later(dt, [q, &known.rates, &known.gains]);
+            let rates = later(dt, [&known.rates, &known.gains, &known.jerks]);
+            let gains = later(dt, [&known.gains, &known.jerks, &known.snaps]);
+            shifts(&q, &rates, &gains)
+        });
         let of = |k: usize| {
-            let own = 2 * k * self.dof..2 * (k + 1) * self.dof;
-            let known = jerks[k * self.dof..(k + 1) * self.dof].iter();
-            if known.clone().all(|jerk| *jerk == 0.0) {
+            let own = k * dof..(k + 1) * dof;
+            if known.jerks[own.clone()].iter().all(|jerk| *jerk == 0.0) {
                 return [[0.0; 2]; 2];
             }
             let by_slopes = |motion: &[f64], axis: usize| -> f64 {
-                let motion = motion[own.start / 2..own.end / 2].iter();
-                let slopes = slopes[own.clone()].chunks_exact(2);
-                motion.zip(slopes).map(|(x, slope)| x * slope[axis]).sum()
+                let pairs = motion[own.clone()].iter().zip(&moved.slopes[own.clone()]);
+                pairs.map(|(x, slope)| x * slope[axis]).sum()
             };
             let rate = |axis: usize| (after[k][axis] - before[k][axis]) / (2.0 * STEP_S);
             let curve = |axis: usize| {
@@ -362,11 +328,11 @@ impl Zmp {
                 (sum - 2.0 * here[k][axis]) / (STEP_S * STEP_S)
             };
             [
-                [0, 1].map(|axis| rate(axis) - by_slopes(rates, axis)),
-                [0, 1].map(|axis| curve(axis) - by_slopes(gains, axis)),
+                [0, 1].map(|axis| rate(axis) - by_slopes(&known.rates, axis)),
+                [0, 1].map(|axis| curve(axis) - by_slopes(&known.gains, axis)),
             ]
         };
-        (0..tilts.len()).map(of).collect()
+        moved.in_time = (0..tilts.len()).map(of).collect();
     }
 
     /// What joints do to the ZMP in postures `q`, on average of some of them.

@@ -21,11 +21,10 @@ use sesc_model::Model;
 use super::LogRows;
 use super::screen::{End, LeftOut, key, reading_of};
 use crate::Error;
-use crate::health::criteria::{
-    FEW_ROWS, FINE, MORE_OFTEN, NEARLY_ALL, SHOWS, SOME_ROWS, UNKNOWN_NOISE_M,
-};
+use crate::health::criteria::{FEW_ROWS, FINE, MORE_OFTEN, NEARLY_ALL, SOME_ROWS, UNKNOWN_NOISE_M};
 use crate::health::view::scatter;
 use crate::health::{Finding, Kind};
+use crate::observations::criteria::noise::SHOWS;
 use crate::observations::postures::range;
 
 impl LogRows {
@@ -63,13 +62,11 @@ pub(super) fn saturated(
     let of_cells = rows.cells > 0;
     for channel in 0..rows.channels() {
         let values = rows.channel(channel, &kept);
-        let (name, title, scale) = if of_cells {
-            let name = format!("fsr_{}", channel + 1);
-            (name.clone(), format!("Load on {name}, N"), 1.0)
-        } else {
-            let name = ["cop_x", "cop_y"][channel];
-            (name.to_string(), format!("{name}, mm"), 1e3)
+        let (name, what, scale, unit) = match of_cells {
+            true => (format!("fsr_{}", channel + 1), "Load on ", 1.0, "N"),
+            false => (["cop_x", "cop_y"][channel].to_string(), "", 1e3, "mm"),
         };
+        let title = format!("{what}{name}, {unit}");
         let mut say = |sentence: String, most: Option<f64>| {
             let meant = |k: usize| most.is_none_or(|most| rows.value(k, channel) == most);
             let about = (Kind::ChannelSaturated, &*name, sentence);
@@ -81,33 +78,23 @@ pub(super) fn saturated(
             let Some((at, count)) = end(rows, &kept, &signed) else {
                 continue;
             };
-            let of = format!(
-                "{name} ends at {:.1} {}, where {count} of {}",
-                scale * sign * at,
-                if of_cells { "N" } else { "mm" },
-                if of_cells {
-                    format!("{} rows", values.len())
-                } else {
-                    rows.total()
-                }
-            );
-            let sentence = if of_cells {
-                format!(
-                    "{of} are: the cell is saturated there. The effect cell_saturation says what \
-                     is missing; check its range and amplifier."
-                )
+            let (of, therefore) = if of_cells {
+                let therefore = "the cell is saturated there. The effect cell_saturation says what \
+                                 is missing; check";
+                (format!("{} rows", values.len()), therefore)
             } else {
-                left_out.ends.push(End {
-                    axis: channel,
-                    sign,
-                    at,
-                });
-                format!(
-                    "{of} are: the channel is saturated there; these rows are left out. Check its \
-                     range and amplifier."
-                )
+                let axis = channel;
+                left_out.ends.push(End { axis, sign, at });
+                let therefore = "the channel is saturated there; these rows are left out. Check";
+                (rows.total(), therefore)
             };
-            say(sentence, Some(sign * at));
+            let at = sign * at;
+            let sentence = format!(
+                "{name} ends at {:.1} {unit}, where {count} of {of} are: {therefore} its range and \
+                 amplifier.",
+                scale * at
+            );
+            say(sentence, Some(at));
         }
         let step = (!of_cells).then(|| coarse_step(rows, model, (&kept, channel, &values)));
         if let Some(step) = step.flatten() {
@@ -224,11 +211,11 @@ fn frozen_runs(rows: &LogRows, kept: &[usize], channel: usize) -> Vec<(Range<usi
 pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let n = rows.len();
     let kept = rows.kept(left_out);
-    let mut frozen: HashSet<(usize, usize)> = HashSet::new();
+    let mut frozen: [HashSet<usize>; 2] = Default::default();
     let mut runs = Vec::new();
     for channel in 0..if rows.cells > 0 { 1 } else { 2 } {
         for (run, moved, value) in frozen_runs(rows, &kept, channel) {
-            frozen.extend(kept[run.clone()].iter().map(|&k| (k, channel)));
+            frozen[channel].extend(&kept[run.clone()]);
             left_out.frozen.insert((channel, value));
             runs.push((run, moved));
         }
@@ -237,17 +224,11 @@ pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
     // The first of the longest ones.
     let (run, moved) = runs.into_iter().rev().max_by_key(|(run, _)| run.len())?;
     let (from, to) = (kept[run.start], kept[run.end - 1]);
-    let is_frozen = |k: usize| (0..2).any(|channel| frozen.contains(&(k, channel)));
+    let is_frozen = |k: usize| frozen.iter().any(|own| own.contains(&k));
     let rows_frozen = (0..n).filter(|&k| is_frozen(k)).count();
-    let on = |axis: usize| {
-        frozen
-            .iter()
-            .filter(|(_, channel)| *channel == axis)
-            .count()
-    };
     // Target of the finding, what stays, and the axis that shows it. A stretch of both axes was
     // counted on each.
-    let (target, what, axis, stretches) = match (rows.cells > 0, on(0), on(1)) {
+    let (target, what, axis, stretches) = match (rows.cells > 0, frozen[0].len(), frozen[1].len()) {
         (true, ..) => ("-", "loads of the cells stay", 0, count),
         (_, _, 0) => ("x", "cop_x stays", 0, count),
         (_, 0, _) => ("y", "cop_y stays", 1, count),

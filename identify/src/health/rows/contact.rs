@@ -14,19 +14,20 @@ use sesc_model::Model;
 use sesc_model::effects::other_sole_by_joints;
 use sesc_model::inertia::GRAVITY;
 use sesc_model::tape::{Tape, Values};
-use sesc_model::urdf::extents;
 
 use super::LogRows;
 use super::screen::{End, LeftOut};
 use crate::evaluate::FASTEST;
 use crate::feet::Feet;
 use crate::health::criteria::{
-    BEYOND_SOLE, FEW_ROWS, FLAT, FORCE_UNLIKE, LOADED, MANY_ROWS, MARGIN_M, MORE, NEARLY_ALL,
-    TENFOLD, UNKNOWN_NOISE_M,
+    BEYOND_SOLE, FEW_ROWS, FLAT, FORCE_UNLIKE, MANY_ROWS, MARGIN_M, MORE, NEARLY_ALL, TENFOLD,
+    UNKNOWN_NOISE_M,
 };
 use crate::health::view::{On, column, scatter};
 use crate::health::{Finding, Kind};
 use crate::logs::{LEAST_LOAD_N, Sidecar};
+use crate::observations::criteria::accelerations::LEAST_LOAD;
+use crate::observations::noise::quantile;
 use crate::observations::postures::range;
 use crate::robot::Robot;
 
@@ -36,20 +37,13 @@ type Corners = [[f64; 2]; 2];
 /// What figures show of readings.
 const DISTANCE: &str = "Distance of the CoP from the origin, mm";
 
-/// The value below which a part of values lies.
-fn quantile(values: impl Iterator<Item = f64>, at: impl Fn(usize) -> usize) -> Option<f64> {
-    let mut sorted: Vec<f64> = values.collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(at(sorted.len())).copied()
-}
-
 /// Rows without load, or with a CoP of exactly zero where CAD has it elsewhere.
 pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let mut rules = LeftOut::default();
     let load = |k: usize| rows.force(k).iter().sum::<f64>();
     if rows.cells > 0 {
-        let typical = quantile((0..rows.len()).map(load), |n| n / 2)?;
-        rules.least_load = Some((LOADED * typical).max(LEAST_LOAD_N));
+        let typical = quantile((0..rows.len()).map(load), 0.5)?;
+        rules.least_load = Some((LEAST_LOAD * typical).max(LEAST_LOAD_N));
     } else {
         let elsewhere = |k: usize| rows.cad[k][0].hypot(rows.cad[k][1]) > UNKNOWN_NOISE_M;
         let zero = |k: &usize| rows.reading[*k] == [0.0; 2] && elsewhere(*k);
@@ -107,8 +101,7 @@ pub(super) fn unplugged(rows: &LogRows) -> Vec<Finding> {
 pub(super) fn outside(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<Finding> {
     let mut all = [&rows.cad[..], &rows.places].concat();
     let at_part = |part: f64| {
-        let at = |n: usize| (part * (n - 1) as f64).round() as usize;
-        [0, 1].map(|k| quantile(rows.reading.iter().map(|y| y[k]), at).unwrap_or(0.0))
+        [0, 1].map(|k| quantile(rows.reading.iter().map(|y| y[k]), part).unwrap_or(0.0))
     };
     let middle = at_part(0.5);
     let total = rows.len() as f64;
@@ -172,7 +165,7 @@ fn is_wired_otherwise(rows: &LogRows, on: On, which: impl Fn(usize) -> bool) -> 
     let view = rows.view(on, &rows.as_read(&chosen)).few();
     let far = view.chi2(&view.cad);
     let mut wired = view.wired();
-    wired.any(|(_, com)| MORE * view.chi2(&[0, 1].map(|k| column(&com, 3, k))) < far)
+    wired.any(|(_, cop)| MORE * view.chi2(&cop) < far)
 }
 
 fn diameter([low, high]: Corners) -> f64 {
@@ -212,8 +205,7 @@ fn within(places: &[[f64; 2]], sole: Option<Corners>) -> Option<Vec<End>> {
 
 /// Whether readings scatter by more than CAD says, as they do in another unit.
 fn in_another_unit(rows: &LogRows) -> bool {
-    let scatter =
-        |all: &[[f64; 2]]| [0, 1].map(|k| scatter(&all.iter().map(|p| p[k]).collect::<Vec<f64>>()));
+    let scatter = |all: &[[f64; 2]]| [0, 1].map(|k| scatter(&column(all.as_flattened(), 2, k)));
     let [x, y] = scatter(&rows.cad);
     let read = scatter(&rows.reading);
     read.iter().any(|own| *own > TENFOLD * x.max(y))
@@ -223,9 +215,8 @@ fn in_another_unit(rows: &LogRows) -> bool {
 /// frame, seen from above; none where the URDF has no shapes there but meshes.
 pub(super) fn corners(robot: &Robot, model: &Model) -> Option<Corners> {
     let description = &robot.description;
-    let boxes = extents(description).ok()?;
     let mut corners: Vec<[f64; 2]> = Vec::new();
-    for (name, extent) in description.link_names().zip(boxes) {
+    for (name, extent) in description.link_names().zip(&description.shapes) {
         let link = model.tree.links.iter().position(|link| link.name == name);
         let place = link.and_then(|link| model.chain.places[link]);
         let place = place.filter(|place| place.body == 0);
@@ -253,7 +244,7 @@ pub(super) fn unlike_weight(rows: &LogRows, model: &Model, left_out: &LeftOut) -
         return None;
     }
     let kept = rows.kept(left_out);
-    let typical = quantile(kept.iter().map(|&k| rows.load[k]), |n| n / 2)?;
+    let typical = quantile(kept.iter().map(|&k| rows.load[k]), 0.5)?;
     let weight = model.tree.mass * GRAVITY;
     let ratio = typical / weight;
     if ratio <= 0.0 || (1.0 / FORCE_UNLIKE..FORCE_UNLIKE).contains(&ratio) {

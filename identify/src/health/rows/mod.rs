@@ -15,7 +15,7 @@
 //! Of a short log all rows are looked at, of a long one, whatever its format, stretches:
 //!
 //! ```text
-//! │ FIRST rows │   │ PIECE │   │ PIECE │  …  │ PIECE │        ROWS in all, the last at the end
+//! │ BLOCK rows │   │ PIECE │   │ PIECE │  …  │ PIECE │        ROWS in all, the last at the end
 //! ```
 //!
 //! Between the pieces the file is passed over without being parsed; messages of a recording (MCAP)
@@ -29,7 +29,6 @@ pub(super) mod noise;
 mod screen;
 mod times;
 
-use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -37,26 +36,24 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::tree::Dof;
 use sesc_model::{Function, Model};
 
-use super::criteria::{FEW_ROWS, SHOWS, UNKNOWN_NOISE_M};
+use super::criteria::{FEW_ROWS, UNKNOWN_NOISE_M};
 use super::finding::{Finding, Kind, Picture, Row};
 use super::view::{On, View, evenly};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::logs::{Block, LogSource, Options, PostureReader, ROOM, Samples};
 use crate::observations::correlation;
+use crate::observations::criteria::noise::SHOWS;
 use crate::observations::motion::{Plan, Wanted};
 use crate::observations::noise::NoiseSource;
-use crate::observations::postures::{Postures, rms};
+use crate::observations::postures::{BLOCK, Postures, rms};
 use crate::observations::rows::CopRows;
 use crate::observations::zmp::Zmp;
-use crate::robot::Robot;
 use crate::watch::{Watch, tell};
 pub(super) use screen::{LeftOut, LessKnown};
 
 /// Rows that are looked at, at most.
 const ROWS: usize = 50_000;
-/// Rows before the first gap: a chunk of the reader, which tells how long rows are.
-const FIRST: usize = 4096;
 /// Rows between gaps: 10 s at 100 Hz.
 const PIECE: usize = 1024;
 
@@ -150,7 +147,7 @@ impl LogRows {
         let pose: Vec<i64> = read.iter().map(|(k, _)| self.pose[*k]).collect();
         let cop: Vec<f64> = read.iter().flat_map(|(_, y)| *y).collect();
         let data = Postures::of_rows(self.dof, (&pose, &q, &cop), self.noise, 0.0);
-        View::new(on, Cow::Owned(data))
+        View::new(on, &data)
     }
 
     /// Some of the rows with their readings as they are.
@@ -180,7 +177,7 @@ impl LogRows {
     /// What is wrong with the log: also that its rows are copies of one or two.
     pub fn read(
         samples: &Samples,
-        (robot, model): (&Robot, &Model),
+        On { robot, model, .. }: On,
         noise: Option<f64>,
         watch: &mut dyn Watch,
     ) -> Result<LogRows, Error> {
@@ -309,24 +306,14 @@ impl LogRows {
             let row = |&k: &usize| all[k * self.dof..(k + 1) * self.dof].iter().copied();
             known.iter().flat_map(row).collect()
         };
-        let (rates, gains) = (of(&motion.rates), of(&motion.gains));
+        let [q, rates, gains] = [&self.q, &motion.rates, &motion.gains].map(|all| of(all));
         let level = vec![[0.0; 2]; known.len()];
-        let zmp = Zmp::new(model);
-        let shifts = zmp.shifts(
-            &model.cad_params(),
-            &of(&self.q),
-            (&rates[..], &gains[..]),
-            &level,
-        );
-        let without = |((k, y), shift): ((usize, [f64; 2]), [f64; 2])| {
-            (k, [0, 1].map(|axis| y[axis] - shift[axis]))
-        };
-        let still: Vec<_> = self
-            .as_read(&known)
-            .into_iter()
-            .zip(shifts)
-            .map(without)
-            .collect();
+        let cad = model.cad_params();
+        let shifts = Zmp::new(model).shifts(&cad, &q, (&rates, &gains), &level);
+        let mut still = self.as_read(&known);
+        for ((_, y), shift) in still.iter_mut().zip(shifts) {
+            (0..2).for_each(|axis| y[axis] -= shift[axis]);
+        }
         (!still.is_empty()).then_some(still)
     }
 }
@@ -426,8 +413,9 @@ impl Sample {
                 block
             }
             None => {
-                let block = reader.block(FIRST)?;
-                let left = ROWS - FIRST;
+                // Before the first gap: a chunk of the reader, which tells how long rows are.
+                let block = reader.block(BLOCK)?;
+                let left = ROWS - BLOCK;
                 let is_long = self.taken == 0 && self.rows_left(reader).unwrap_or(0) > left as u64;
                 if is_long && reader.skip(0, PIECE)? {
                     (self.to_come, self.is_part) = (Some((left / PIECE) as u64), true);

@@ -15,6 +15,7 @@ use super::LogRows;
 use crate::health::criteria::{ENOUGH, JUMPS, MANY_ROWS, NEARLY_ALL, SHORT_S, TENFOLD};
 use crate::health::{Finding, Kind};
 use crate::logs::criteria::{FASTER, LEAP};
+use crate::observations::noise::quantile;
 
 /// The joint that leaps most often.
 pub(super) fn leaps(rows: &LogRows, dofs: &[Dof]) -> Option<Finding> {
@@ -37,9 +38,7 @@ pub(super) fn leaps(rows: &LogRows, dofs: &[Dof]) -> Option<Finding> {
             Some(limit) => FASTER * limit,
             None => {
                 let moves = steps(joint).filter(|(step, time)| *step > 0.0 && *time > 0.0);
-                let mut speeds: Vec<f64> = moves.map(|(step, time)| step / time).collect();
-                speeds.sort_by(f64::total_cmp);
-                let median = speeds.get(speeds.len() / 2);
+                let median = quantile(moves.map(|(step, time)| step / time), 0.5);
                 median.map_or(f64::INFINITY, |median| TENFOLD * median)
             }
         };

@@ -9,9 +9,9 @@
 //! readings and columns alike: with a = 1 those of an AR(1) process. Their restricted
 //! likelihood finds τ and a.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
-use super::restricted::{Ar1Process, Likelihood, basis, steps};
+use super::restricted::{Ar1Process, AxisRows, Likelihood, lasting};
 
 /// Parts of the longest time and shares of lasting noise that are tried at first.
 const TIMES: usize = 10;
@@ -59,35 +59,25 @@ impl Filter {
     }
 }
 
-/// Rows of one axis, one a column, the reading last.
-pub(super) struct AxisRows<'a> {
-    pub z: DMatrix<f64>,
-    pub t: &'a [f64],
-    /// Whether each row follows the one before within a stretch.
-    pub joined: &'a [bool],
-}
-
-impl AxisRows<'_> {
-    /// Innovations, and the sum of the logarithms of their variances.
-    pub fn whitened(&self, tau: f64, share: f64) -> (DMatrix<f64>, f64) {
-        let mut z = self.z.clone();
-        let mut filter = Filter::new(z.nrows(), share);
-        let mut log_det = 0.0;
-        for (k, mut row) in z.column_iter_mut().enumerate() {
-            // Correlation of the lasting parts of this row and the one before.
-            let rho = match self.joined[k] && tau > 0.0 {
-                true => (-(self.t[k] - self.t[k - 1]) / tau).exp(),
-                false => 0.0,
-            };
-            log_det += filter.whiten(rho, share, row.as_mut_slice()).ln();
-        }
-        (z, log_det)
+/// Innovations of rows, one a column of `z` with the reading last, and the sum of the logarithms of
+/// their variances.
+pub(super) fn whitened(
+    rows: &AxisRows,
+    mut z: DMatrix<f64>,
+    tau: f64,
+    share: f64,
+) -> (DMatrix<f64>, f64) {
+    let mut filter = Filter::new(z.nrows(), share);
+    let mut log_det = 0.0;
+    for (k, mut row) in z.column_iter_mut().enumerate() {
+        // Correlation of the lasting parts of this row and the one before.
+        let rho = match rows.joined[k] {
+            true => lasting(rows.t[k] - rows.t[k - 1], tau),
+            false => 0.0,
+        };
+        log_det += filter.whiten(rho, share, row.as_mut_slice()).ln();
     }
-
-    fn at(&self, tau: f64, share: f64) -> Option<Likelihood> {
-        let (z, log_det) = self.whitened(tau, share);
-        Likelihood::of(&(&z * z.transpose()), z.ncols(), log_det)
-    }
+    (z, log_det)
 }
 
 /// Noise that lasts under white noise, and the share of it that lasts.
@@ -98,40 +88,22 @@ pub(super) struct Mixture {
     pub innovations: Vec<f64>,
 }
 
-/// Estimate it from rows (x, y) at times `t`; `joined[k]` says whether row k follows row
-/// k − 1 within a stretch.
-pub(super) fn estimate(
-    t: &[f64],
-    joined: &[bool],
-    x: &DMatrix<f64>,
-    y: &DVector<f64>,
-) -> Option<Mixture> {
-    let turn = basis(x);
-    let q = x * &turn;
-    let (n, p) = q.shape();
-    let steps = steps(t, joined);
-    if n < p + 3 || steps.is_empty() {
-        return None;
-    }
-    let mut z = q.insert_column(p, 0.0);
-    z.set_column(p, y);
-    let rows = AxisRows {
-        z: z.transpose(),
-        t,
-        joined,
+/// Estimate it from some rows.
+pub(super) fn estimate(rows: &AxisRows) -> Option<Mixture> {
+    let (turn, z) = rows.in_basis()?;
+    let (n, z) = (z.nrows(), z.transpose());
+    let (low, high) = rows.times(SHORTEST, LONGEST)?;
+    let at = |tau: f64, share: f64| {
+        let (z, log_det) = whitened(rows, z.clone(), tau, share);
+        Likelihood::of(&(&z * z.transpose()), n, log_det)
     };
-    let low = SHORTEST * steps[steps.len() / 2];
-    let high = LONGEST * (t[n - 1] - t[0]);
-    if high <= low {
-        return None;
-    }
     let time = |part: f64| low * (high / low).powf(part.clamp(0.0, 1.0));
-    let white = rows.at(0.0, 1.0)?;
+    let white = at(0.0, 1.0)?;
     let grid = (0..=TIMES).flat_map(|k| SHARES.map(|share| (k as f64 / TIMES as f64, share)));
     let mut best = ((0.0, 0.0), white.value);
     let mut steps = [0.5 / TIMES as f64, 0.1];
     for (part, share) in grid {
-        if let Some(tried) = rows.at(time(part), share).filter(|it| it.value > best.1) {
+        if let Some(tried) = at(time(part), share).filter(|it| it.value > best.1) {
             best = ((part, share), tried.value);
         }
     }
@@ -147,7 +119,7 @@ pub(super) fn estimate(
             (part, share + steps[1]),
         ] {
             let share = share.clamp(LEAST_SHARE, 1.0);
-            if let Some(tried) = rows.at(time(part), share).filter(|it| it.value > best.1) {
+            if let Some(tried) = at(time(part), share).filter(|it| it.value > best.1) {
                 best = ((part, share), tried.value);
             }
         }
@@ -155,8 +127,9 @@ pub(super) fn estimate(
     }
     let (part, share) = best.0;
     let tau = time(part);
-    let best = rows.at(tau, share)?;
-    let (whitened, _) = rows.whitened(tau, share);
+    let best = at(tau, share)?;
+    let p = z.nrows() - 1;
+    let (whitened, _) = whitened(rows, z, tau, share);
     let explained = whitened.rows(0, p).tr_mul(&best.params);
     let left = whitened.row(p).transpose() - explained;
     Some(Mixture {

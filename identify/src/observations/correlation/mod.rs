@@ -20,18 +20,20 @@
 
 mod mixture;
 mod restricted;
-mod spread;
 mod windows;
 
 use std::ops::Range;
 
 use super::criteria::correlation::{
-    ALIKE, BACKWARDS, ENOUGH, ENOUGH_APART, FEW, FILTERED, LEAP, OF_WINDOWS, ROOM, SCALED, SCATTER,
-    SIGNIFICANT, UNDER_WHITE, WINDOWS, WORTH_LESS,
+    ALIKE, BACKWARDS, ENOUGH, ENOUGH_APART, FEW, FILTERED, LEAP, OF_WINDOWS, ROOM, SCALED,
+    UNDER_WHITE, WORTH_LESS,
 };
+use super::criteria::{AS_GOOD, CERTAIN};
+use super::noise::quantile;
 use nalgebra::{DMatrix, DVector};
 
-pub use windows::{Cut, Independent, Process, Whitener};
+use restricted::AxisRows;
+pub use windows::{Cut, GAP, Independent, Process, Whitener};
 
 /// What a log's residuals say of its noise, on one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,20 +78,20 @@ impl Correlation {
     /// The same where the coefficients of the last `held` columns are drawn from N(0, 1).
     pub fn with_held(t: &[f64], y: &DVector<f64>, x: &DMatrix<f64>, held: usize) -> Correlation {
         let n = t.len();
-        let columns = Columns::new(x, held);
         let Some(step) = step(t).filter(|_| n >= ENOUGH) else {
             return Correlation::NONE;
         };
+        let fit = Fitted::new((t, y), x, held);
         let mut chosen: Option<Scale> = None;
         let (mut rows, mut most) = (1, n);
         let mut before = f64::INFINITY;
-        while let Some(scale) = Scale::cut(t, y, &columns, Cut::new(rows, step), most) {
+        while let Some(scale) = Scale::cut(&fit, Cut::new(rows, step), most) {
             // A slow part under a fast one shows about twice as much in windows twice as long.
             // Where more shows, few windows beside the columns are what the fit has left; many
             // that a process describes are right, and the shorter ones were not. Which process
             // it is, is not asked of more than can be filtered.
             let described = scale.consistent || scale.windows > FILTERED;
-            let known = described && scale.windows >= ROOM * columns.taken;
+            let known = described && scale.windows >= ROOM * fit.taken;
             if scale.rows_per_sample > LEAP * before && !known {
                 break;
             }
@@ -127,8 +129,8 @@ impl Correlation {
         let Some(step) = step(t).filter(|_| stays.len() >= x.ncols() + ENOUGH) else {
             return Correlation::of(t, y, x);
         };
-        let columns = Columns::new(x, 0);
-        let whole = Scale::of(t, y, &columns, stays, Cut::new(usize::MAX, step));
+        let fit = Fitted::new((t, y), x, 0);
+        let whole = Scale::of(&fit, stays, Cut::new(usize::MAX, step));
         Correlation::at(whole, t.len(), step)
     }
 
@@ -150,36 +152,46 @@ pub fn step(t: &[f64]) -> Option<f64> {
     let mut steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let all = steps.len() as f64;
     steps.retain(|step| *step > 0.0);
-    if steps.is_empty() || (steps.len() as f64) < (1.0 - BACKWARDS) * all {
+    if (steps.len() as f64) < (1.0 - BACKWARDS) * all {
         return None;
     }
-    steps.sort_by(f64::total_cmp);
-    Some(steps[steps.len() / 2])
+    quantile(steps.into_iter(), 0.5)
 }
 
 /// Mean square of what a fit of the columns `x` leaves of `y`, and its degrees of freedom.
 pub fn left(x: &DMatrix<f64>, y: &DVector<f64>) -> (f64, f64) {
-    restricted::white(x, y).unwrap_or((f64::NAN, 0.0))
+    let q = x * restricted::basis(x);
+    let (n, p) = q.shape();
+    if n <= p {
+        return (f64::NAN, 0.0);
+    }
+    let taken = q.transpose() * y;
+    let rest = (y.norm_squared() - taken.norm_squared()).max(0.0);
+    (rest / (n - p) as f64, (n - p) as f64)
 }
 
-/// Columns that are fitted, of which the last ones have known sizes.
-struct Columns<'a> {
+/// Rows at times `t`, and columns that are fitted, of which the last ones have known sizes.
+struct Fitted<'a> {
+    t: &'a [f64],
+    y: &'a DVector<f64>,
     x: &'a DMatrix<f64>,
     held: usize,
-    /// How much of a fit they take from rows of deviation one.
+    /// How much of a fit the columns take from rows of deviation one.
     taken: usize,
 }
 
-impl Columns<'_> {
+impl<'a> Fitted<'a> {
     /// The last `held` columns of `x` have coefficients of deviation one.
-    fn new(x: &DMatrix<f64>, held: usize) -> Columns<'_> {
+    fn new((t, y): (&'a [f64], &'a DVector<f64>), x: &'a DMatrix<f64>, held: usize) -> Fitted<'a> {
         let free = x.ncols() - held;
         let own = x.columns(free, held);
         let known = own.transpose() * own + DMatrix::identity(held, held);
         // tr (I + KᵀK)⁻¹ KᵀK
         let untaken = known.cholesky().map(|factor| factor.inverse().trace());
         let taken = held as f64 - untaken.unwrap_or(0.0);
-        Columns {
+        Fitted {
+            t,
+            y,
             x,
             held,
             taken: free + taken.ceil() as usize,
@@ -189,33 +201,23 @@ impl Columns<'_> {
 
 impl Scale {
     /// Estimate from windows cut like this; `None` where they are too few, or more than `most`.
-    fn cut(
-        t: &[f64],
-        y: &DVector<f64>,
-        columns: &Columns<'_>,
-        cut: Cut,
-        most: usize,
-    ) -> Option<Scale> {
-        let windows = windows::whole(t, cut);
-        let fewest = match cut.rows {
-            1 => columns.taken + ENOUGH,
-            _ => 2 * columns.taken + WINDOWS,
-        };
-        let enough = (fewest..=most).contains(&windows.len());
-        enough
-            .then(|| Scale::of(t, y, columns, &windows, cut))
-            .flatten()
+    fn cut(fit: &Fitted, cut: Cut, most: usize) -> Option<Scale> {
+        let windows = windows::whole(fit.t, cut);
+        let times = if cut.rows == 1 { 1 } else { 2 };
+        let enough = (times * fit.taken + ENOUGH..=most).contains(&windows.len());
+        enough.then(|| Scale::of(fit, &windows, cut)).flatten()
     }
 
     /// Estimate from these windows.
-    fn of(
-        t: &[f64],
-        y: &DVector<f64>,
-        columns: &Columns<'_>,
-        windows: &[Range<usize>],
-        cut: Cut,
-    ) -> Option<Scale> {
-        let (n, x, held) = (windows.len(), columns.x, columns.held);
+    fn of(fit: &Fitted, windows: &[Range<usize>], cut: Cut) -> Option<Scale> {
+        let Fitted {
+            t,
+            y,
+            x,
+            held,
+            taken,
+        } = *fit;
+        let n = windows.len();
         let mean = |column: &[f64]| -> Vec<f64> {
             let own = windows.iter().map(|window| &column[window.clone()]);
             own.map(|own| own.iter().sum::<f64>() / own.len() as f64)
@@ -228,38 +230,41 @@ impl Scale {
             of_x.set_column(k, &DVector::from_vec(mean(x.column(k).as_slice())));
         }
         let joined: Vec<bool> = (0..n).map(|k| k > 0 && middle[k] > middle[k - 1]).collect();
-        let mut found = restricted::estimate(&middle, &joined, &of_x, &of_y, (held, 0.0))?;
-        let mut deviation = 0.0;
+        let rows = AxisRows {
+            t: middle,
+            joined,
+            x: of_x,
+            y: of_y,
+        };
+        let mut found = restricted::estimate(&rows)?;
+        let mut with_held = None;
         if held > 0 {
             for _ in 0..SCALED {
-                deviation = found.variance.sqrt();
-                found = restricted::estimate(&middle, &joined, &of_x, &of_y, (held, deviation))?;
+                let deviation = found.variance.sqrt();
+                let all = with_held.insert(rows.with_coefficients(held, deviation));
+                found = restricted::estimate(all)?;
             }
         }
-        let left = &of_y - &of_x * &found.params;
-        let alone = mixture::AxisRows {
-            z: DMatrix::from_row_slice(1, n, left.as_slice()),
-            t: &middle,
-            joined: &joined,
-        };
-        let (innovations, _) = alone.whitened(found.tau, 1.0);
-        let mut consistent = is_white(innovations.as_slice(), columns.taken);
+        let left = &rows.y - &rows.x * &found.params;
+        let left = DMatrix::from_row_slice(1, n, left.as_slice());
+        let (innovations, _) = mixture::whitened(&rows, left, found.tau, 1.0);
+        let mut consistent = is_white(innovations.as_slice(), taken);
         let mut share = 1.0;
-        if found.gain > SIGNIFICANT && n <= FILTERED {
-            let known = (held, deviation);
-            let all = restricted::with_coefficients(&middle, &joined, &of_x, &of_y, known);
+        if found.gain > AS_GOOD && n <= FILTERED {
             // Where both leave nothing, the simpler is taken unless it is less likely by far.
             let least = match consistent {
                 true => found.gain + UNDER_WHITE,
                 false => found.gain,
             };
-            let mixture = mixture::estimate(&all.t, &all.joined, &all.x, &all.y)
+            let mixture = mixture::estimate(with_held.as_ref().unwrap_or(&rows))
                 .filter(|it| it.found.gain > least)
-                .filter(|it| is_white(&it.innovations[..n], columns.taken));
+                .filter(|it| is_white(&it.innovations[..n], taken));
             if let Some(mixture) = mixture {
                 (found, share, consistent) = (mixture.found, mixture.share, true);
             }
         }
+        // The ordinary distance of neighbouring windows, s.
+        let step = rows.step().unwrap_or(f64::INFINITY);
         let rows = windows.iter().map(Range::len).sum::<usize>() as f64 / n as f64;
         // What varies within windows is what averaging took from the variance of a row.
         let within = match cut.rows {
@@ -268,17 +273,9 @@ impl Scale {
         };
         let row = found.variance + within;
         let left = found.variance / row;
-        // The ordinary distance of neighbouring windows, s.
-        let steps = restricted::steps(&middle, &joined);
-        let step = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
-        let correlated = match cut.rows {
-            1 => found.gain > SIGNIFICANT,
-            _ => found.gain > OF_WINDOWS,
-        };
-        let rho = match correlated && found.tau > 0.0 {
-            true => (-step / found.tau).exp(),
-            false => 0.0,
-        };
+        let least = if cut.rows == 1 { AS_GOOD } else { OF_WINDOWS };
+        let correlated = found.gain > least;
+        let rho = restricted::lasting(step, if correlated { found.tau } else { 0.0 });
         // Beside white noise, whose share is found with it, ρ is that of the lasting part itself.
         let lasting_long = match share < 1.0 {
             true => (1.0 + rho) / (1.0 - rho),
@@ -305,7 +302,7 @@ impl Scale {
             rho,
             rows_per_sample,
             variance: row,
-            significant: correlated || deviations > SCATTER,
+            significant: correlated || deviations > CERTAIN,
             consistent,
         })
     }
@@ -359,7 +356,7 @@ fn is_white(e: &[f64], p: usize) -> bool {
             means.map(|sum| sum * sum).sum::<f64>() / (n / q * q) as f64 * n as f64 / square;
         let part = q as f64;
         let deviation = (2.0 * (part - 1.0) / n as f64).sqrt();
-        if ratio > 1.0 + SCATTER * deviation {
+        if ratio > 1.0 + CERTAIN * deviation {
             return false;
         }
         q *= 2;

@@ -13,8 +13,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::svd::svd;
 use nalgebra::{DMatrix, DVector};
+
+use crate::observations::noise::quantile;
+use crate::svd::svd;
 
 /// Singular values of the scaled columns of X below this part of the largest are rounding.
 const DEPENDENT: f64 = 1e-6;
@@ -62,120 +64,97 @@ struct Sums {
     lags: Vec<Lag>,
 }
 
-/// Estimate the process from rows (x, y) at times `t`; `joined[k]` says whether row k
-/// follows row k − 1 within a stretch. Coefficients of the last `held` columns have deviation
-/// one where a row has `deviation`: rows of their own say so.
-pub(super) fn estimate(
-    t: &[f64],
-    joined: &[bool],
-    x: &DMatrix<f64>,
-    y: &DVector<f64>,
-    (held, deviation): (usize, f64),
-) -> Option<Ar1Process> {
-    if held > 0 && deviation > 0.0 {
-        let all = with_coefficients(t, joined, x, y, (held, deviation));
-        return estimate(&all.t, &all.joined, &all.x, &all.y, (0, 0.0));
+/// Rows (x, y) of one axis at times `t`.
+pub(super) struct AxisRows {
+    pub t: Vec<f64>,
+    /// Whether each row follows the one before within a stretch.
+    pub joined: Vec<bool>,
+    pub x: DMatrix<f64>,
+    pub y: DVector<f64>,
+}
+
+impl AxisRows {
+    /// The same, and behind them rows that say that the coefficients of the last `held` columns
+    /// are zero, within one where a row is known within `deviation`.
+    pub fn with_coefficients(&self, held: usize, deviation: f64) -> AxisRows {
+        let (n, p) = self.x.shape();
+        let last = self.t.last().copied().unwrap_or_default();
+        let mut x = self.x.clone().insert_rows(n, held, 0.0);
+        (0..held).for_each(|k| x[(n + k, p - held + k)] = deviation);
+        AxisRows {
+            t: [&self.t[..], &vec![last; held]].concat(),
+            joined: [&self.joined[..], &vec![false; held]].concat(),
+            x,
+            y: self.y.clone().insert_rows(n, held, 0.0),
+        }
     }
-    let turn = basis(x);
-    let q = x * &turn;
-    let (n, p) = q.shape();
-    if n < p + 3 {
-        return None;
+
+    /// T with X T an orthonormal basis, and rows (x T, y); none where rows are too few.
+    pub fn in_basis(&self) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+        let turn = basis(&self.x);
+        let q = &self.x * &turn;
+        let (n, p) = q.shape();
+        let mut z = (n >= p + 3).then(|| q.insert_column(p, 0.0))?;
+        z.set_column(p, &self.y);
+        Some((turn, z))
     }
-    let mut z = q.insert_column(p, 0.0);
-    z.set_column(p, y);
-    let sums = Sums::of(t, joined, &z);
+
+    /// The ordinary distance of neighbouring rows of a stretch, s.
+    pub fn step(&self) -> Option<f64> {
+        let joined = (1..self.t.len()).filter(|&k| self.joined[k]);
+        quantile(joined.map(|k| self.t[k] - self.t[k - 1]), 0.5)
+    }
+
+    /// Correlation times that can be told: the shortest, in steps, and the longest, as a part of
+    /// the length; s.
+    pub fn times(&self, shortest: f64, longest: f64) -> Option<(f64, f64)> {
+        let low = shortest * self.step()?;
+        let high = longest * (self.t.last()? - self.t[0]);
+        (high > low).then_some((low, high))
+    }
+}
+
+/// Estimate the process of some rows.
+pub(super) fn estimate(rows: &AxisRows) -> Option<Ar1Process> {
+    let (turn, z) = rows.in_basis()?;
+    let sums = Sums::of(rows, &z);
     let white = sums.likelihood(0.0)?;
-    let freedom = (n - p) as f64;
-    let none = Ar1Process {
-        tau: 0.0,
-        variance: white.variance,
-        gain: 0.0,
-        freedom,
-        params: &turn * &white.params,
+    let process = |tau: f64, found: &Likelihood| Ar1Process {
+        tau,
+        variance: found.variance,
+        gain: 2.0 * (found.value - white.value),
+        freedom: (sums.rows + 1 - z.ncols()) as f64,
+        params: &turn * &found.params,
     };
-    let steps = steps(t, joined);
-    if steps.is_empty() {
-        return Some(none);
-    }
-    let (low, high) = (
-        SHORTEST * steps[steps.len() / 2],
-        LONGEST * (t[n - 1] - t[0]),
-    );
-    if high <= low {
-        return Some(none);
-    }
+    let Some((low, high)) = rows.times(SHORTEST, LONGEST) else {
+        return Some(process(0.0, &white));
+    };
     let at = |part: f64| low * (high / low).powf(part);
     let of = |part: f64| {
-        sums.likelihood(at(part))
-            .map_or(f64::NEG_INFINITY, |l| l.value)
+        let likelihood = sums.likelihood(at(part));
+        likelihood.map_or(f64::NEG_INFINITY, |l| l.value)
     };
     let grid = (0..=TRIED).map(|k| k as f64 / TRIED as f64);
-    let best = grid
-        .map(|part| (of(part), part))
-        .max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let mut best = best;
+    let grid = grid.map(|part| (of(part), part));
+    let mut best = grid.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut step = 0.5 / TRIED as f64;
     for _ in 0..REFINED {
         for part in [best.1 - step, best.1 + step] {
-            let tried = of(part.clamp(0.0, 1.0));
+            let part = part.clamp(0.0, 1.0);
+            let tried = of(part);
             if tried > best.0 {
-                best = (tried, part.clamp(0.0, 1.0));
+                best = (tried, part);
             }
         }
         step *= 0.6;
     }
     let tau = at(best.1);
     let found = sums.likelihood(tau)?;
-    match found.value > white.value {
-        true => Some(Ar1Process {
-            tau,
-            variance: found.variance,
-            gain: 2.0 * (found.value - white.value),
-            freedom,
-            params: turn * found.params,
-        }),
-        false => Some(none),
-    }
-}
-
-/// Rows of the log, and behind them one for each coefficient that is known.
-pub(super) struct WithCoefficients {
-    pub t: Vec<f64>,
-    pub joined: Vec<bool>,
-    pub x: DMatrix<f64>,
-    pub y: DVector<f64>,
-}
-
-/// Rows that say that the coefficients of the last `held` columns are zero, within one where
-/// a row is known within `deviation`.
-pub(super) fn with_coefficients(
-    t: &[f64],
-    joined: &[bool],
-    x: &DMatrix<f64>,
-    y: &DVector<f64>,
-    (held, deviation): (usize, f64),
-) -> WithCoefficients {
-    let (n, p) = x.shape();
-    let last = t.last().copied().unwrap_or_default();
-    let mut own = x.clone().insert_rows(n, held, 0.0);
-    (0..held).for_each(|k| own[(n + k, p - held + k)] = deviation);
-    WithCoefficients {
-        t: [t, &vec![last; held]].concat(),
-        joined: [joined, &vec![false; held]].concat(),
-        x: own,
-        y: y.clone().insert_rows(n, held, 0.0),
-    }
-}
-
-/// Distances of neighbouring rows of a stretch, s, the shortest first.
-pub(super) fn steps(t: &[f64], joined: &[bool]) -> Vec<f64> {
-    let mut steps: Vec<f64> = (1..t.len())
-        .filter(|&k| joined[k])
-        .map(|k| t[k] - t[k - 1])
-        .collect();
-    steps.sort_by(f64::total_cmp);
-    steps
+    Some(if found.value > white.value {
+        process(tau, &found)
+    } else {
+        process(0.0, &white)
+    })
 }
 
 /// What rows say of one process.
@@ -188,27 +167,22 @@ pub(super) struct Likelihood {
     pub params: DVector<f64>,
 }
 
-/// Mean square of what a fit leaves, and its degrees of freedom, of independent rows.
-pub(super) fn white(x: &DMatrix<f64>, y: &DVector<f64>) -> Option<(f64, f64)> {
-    let q = x * basis(x);
-    let (n, p) = q.shape();
-    let taken = q.transpose() * y;
-    let rest = (y.norm_squared() - taken.norm_squared()).max(0.0);
-    (n > p).then(|| (rest / (n - p) as f64, (n - p) as f64))
+/// Correlation of noise that lasts for `tau` with itself `step` later, s.
+pub(super) fn lasting(step: f64, tau: f64) -> f64 {
+    if tau > 0.0 { (-step / tau).exp() } else { 0.0 }
 }
 
 impl Sums {
-    fn of(t: &[f64], joined: &[bool], z: &DMatrix<f64>) -> Sums {
+    fn of(AxisRows { t, joined, .. }: &AxisRows, z: &DMatrix<f64>) -> Sums {
         let n = z.nrows();
         let mut classes: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
         let mut first = Vec::new();
         for k in 0..n {
-            match k > 0 && joined[k] {
-                true => {
-                    let step = (t[k] - t[k - 1]).ln() / ALIKE;
-                    classes.entry(step.round() as i64).or_default().push(k);
-                }
-                false => first.push(k),
+            if k > 0 && joined[k] {
+                let step = (t[k] - t[k - 1]).ln() / ALIKE;
+                classes.entry(step.round() as i64).or_default().push(k);
+            } else {
+                first.push(k);
             }
         }
         let product = |a: &DMatrix<f64>, b: &DMatrix<f64>| a.transpose() * b;
@@ -237,10 +211,7 @@ impl Sums {
         let mut all = self.first.clone();
         let mut log_det = 0.0;
         for lag in &self.lags {
-            let rho = match tau > 0.0 {
-                true => (-lag.length / lag.count / tau).exp(),
-                false => 0.0,
-            };
+            let rho = lasting(lag.length / lag.count, tau);
             let left = (1.0 - rho * rho).max(LEAST);
             log_det += lag.count * left.ln();
             all += (&lag.here - &lag.cross * rho + &lag.before * (rho * rho)) / left;
@@ -255,7 +226,7 @@ impl Likelihood {
     pub fn of(products: &DMatrix<f64>, rows: usize, log_det: f64) -> Option<Likelihood> {
         let p = products.ncols() - 1;
         let of_x = products.view((0, 0), (p, p)).into_owned();
-        let of_xy = products.view((0, p), (p, 1)).column(0).into_owned();
+        let of_xy = products.column(p).rows(0, p).into_owned();
         let of_y = products[(p, p)];
         let factor = of_x.cholesky()?;
         let params = factor.solve(&of_xy);

@@ -9,13 +9,26 @@
 //! Rows at 100 Hz of noise that lasts half a second say little more than their means
 //! over a quarter of it; the means are much alike whatever the rate, and whatever sensor
 //! noise lies on the slow part.
+//!
+//! Noise that lasts moves a sum over rows by what windows share:
+//!
+//! ```text
+//! Var(Σ_k z_k e_k) = Σ_w Σ_v S_w S_v Cov(ē_w, ē_v) + (1 − l) Σ_w Σ_k (z_k − z̄_w)²
+//! ```
+//!
+//! over windows w of the process, whose means ē are correlated and whose rows share the part l
+//! of their variance; S_w is the sum of z over a window. What changes faster than the noise
+//! lasts is moved little by it, what is as slow as it by all of it.
 
 use std::ops::Range;
 
+use nalgebra::{DMatrix, DVector};
+
 use super::mixture::Filter;
+use super::restricted::lasting;
 
 /// Rows further apart than this many ordinary steps are not neighbours.
-const GAP: f64 = 4.0;
+pub const GAP: f64 = 4.0;
 
 /// Windows of less than this part of the longest's rows are cut short.
 const WHOLE: f64 = 0.75;
@@ -38,8 +51,21 @@ impl Cut {
         }
     }
 
+    /// Windows of rows at times `t`.
+    fn windows(&self, t: &[f64]) -> Vec<Range<usize>> {
+        let mut starts = Vec::new();
+        for k in 0..t.len() {
+            match starts.last() {
+                Some(&start) if !self.ends(k - start, t[k - 1], t[k]) => {}
+                _ => starts.push(k),
+            }
+        }
+        starts.push(t.len());
+        starts.windows(2).map(|pair| pair[0]..pair[1]).collect()
+    }
+
     /// Whether a window of `count` rows, the last at `last`, is whole before a row at `t`.
-    pub fn ends(&self, count: usize, last: f64, t: f64) -> bool {
+    fn ends(&self, count: usize, last: f64, t: f64) -> bool {
         count >= self.rows || t <= last || t - last > self.gap_s
     }
 }
@@ -47,15 +73,7 @@ impl Cut {
 /// Windows of rows at times `t`, those that a gap cut short left out: their means vary
 /// more.
 pub(super) fn whole(t: &[f64], cut: Cut) -> Vec<Range<usize>> {
-    let mut starts = Vec::new();
-    for k in 0..t.len() {
-        match starts.last() {
-            Some(&start) if !cut.ends(k - start, t[k - 1], t[k]) => {}
-            _ => starts.push(k),
-        }
-    }
-    starts.push(t.len());
-    let mut windows: Vec<Range<usize>> = starts.windows(2).map(|w| w[0]..w[1]).collect();
+    let mut windows = cut.windows(t);
     let longest = windows.iter().map(Range::len).max().unwrap_or(0);
     windows.retain(|window| window.len() as f64 >= WHOLE * longest as f64);
     windows
@@ -97,10 +115,34 @@ impl Process {
 
     /// Correlation of what lasts in two means whose middles are `apart` seconds apart.
     pub fn correlation(&self, apart: f64) -> f64 {
-        match self.tau_s > 0.0 && apart > 0.0 {
-            true => (-apart / self.tau_s).exp(),
-            false => 0.0,
+        lasting(apart, if apart > 0.0 { self.tau_s } else { 0.0 })
+    }
+
+    /// `Var(zᵀ e)`, k × k, over the variance of a row, of the `k` columns of `z` (one row for
+    /// each time of `t`, s) and noise e that follows this process.
+    pub fn spread(&self, t: &[f64], z: &DMatrix<f64>) -> DMatrix<f64> {
+        let k = z.ncols();
+        let mut spread = DMatrix::zeros(k, k);
+        // What earlier windows say of the noise of this one, and the middle of the last.
+        let mut before: Option<(f64, DVector<f64>)> = None;
+        for window in self.cut.windows(t) {
+            let rows = window.len() as f64;
+            let own = z.rows(window.start, window.len());
+            let sum = own.row_sum_tr();
+            let middle = t[window].iter().sum::<f64>() / rows;
+            let within = own.tr_mul(&own) - &sum * sum.transpose() / rows;
+            spread += within * (1.0 - self.lasting);
+            let of_mean = sum * self.variance(rows).sqrt();
+            spread += &of_mean * of_mean.transpose();
+            let told = match before {
+                Some((earlier, told)) => told * self.correlation(middle - earlier),
+                None => DVector::zeros(k),
+            };
+            let shared = &of_mean * told.transpose() * self.share;
+            spread += &shared + shared.transpose();
+            before = Some((middle, told + of_mean));
         }
+        spread
     }
 }
 
@@ -151,10 +193,8 @@ impl Whitener {
     pub fn push(&mut self, t: f64, key: i64, row: &[f64], trust: f64) -> Option<Independent> {
         let cut = self.process.cut;
         let ends = |open: &Open| open.key != key || cut.ends(open.count, open.last, t);
-        let ended = match self.open.as_ref().is_some_and(ends) {
-            true => self.end(),
-            false => None,
-        };
+        let ends = self.open.as_ref().is_some_and(ends);
+        let ended = ends.then(|| self.end()).flatten();
         let open = self.open.get_or_insert_with(|| Open {
             key,
             count: 0,

@@ -6,20 +6,16 @@
 //! ```
 
 use super::Motion;
-use crate::observations::criteria::accelerations::FAR_S;
-
-/// Rows further apart than this many ordinary intervals are no neighbours.
-const GAP: f64 = 4.0;
-/// Parabolas reach this far to either side where rows are dense, s.
-const REACH_S: f64 = 0.06;
+use crate::observations::correlation::GAP;
+use crate::observations::criteria::accelerations::REACH_S;
 
 /// How far a parabola through rows `step_s` apart reaches to either side, s; 0 where rows are too
 /// far apart.
 pub(super) fn reach(step_s: f64) -> f64 {
-    match step_s <= FAR_S {
-        true => REACH_S.max(1.5 * step_s),
-        false => 0.0,
+    if step_s > 2.0 * REACH_S {
+        return 0.0;
     }
+    REACH_S.max(1.5 * step_s)
 }
 
 /// Find the changes of the accelerations in rows at times `t`; left zero where a row has a neighbour

@@ -30,7 +30,6 @@
 //! 2 h, which have a hundredth of the noise's square.
 
 mod changes;
-mod local;
 mod polynomials;
 mod smooth;
 #[cfg(test)]
@@ -45,10 +44,9 @@ use std::ops::Range;
 use super::correlation;
 use crate::logs::{Block, keep_some};
 use crate::threads::by_parts;
-use local::{Local, PositionNoise};
 use polynomials::{HIGH, Polynomials};
 pub use smooth::Smooth;
-use windows::{FEWEST, Nodes, Window};
+use windows::{FEWEST, Nodes};
 
 /// Coefficients of the polynomials of order 3, and of one to a side.
 const LOW: usize = 4;
@@ -59,6 +57,9 @@ const PART: usize = 512;
 const LOOKED_AT: usize = 400;
 /// What order 4 bends where order 3 bends β, over β²: 0.00126 (ω h)⁴ over ((ω h)²/14)².
 const OF_HIGH: f64 = 0.25;
+
+/// What a window leaves of the noise of its own row at least, as a part.
+const LEAST_LEFT: f64 = 0.2;
 
 /// How the joints of a log are differentiated.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,18 +94,6 @@ pub enum Wanted {
     Changes,
     /// Smoothed positions: for rows of a regressor.
     Smooth,
-    /// Both.
-    All,
-}
-
-impl Wanted {
-    fn changes(self) -> bool {
-        matches!(self, Wanted::Changes | Wanted::All)
-    }
-
-    fn smooth(self) -> bool {
-        matches!(self, Wanted::Smooth | Wanted::All)
-    }
 }
 
 /// How the joints move in rows of a log, row by row and joint by joint.
@@ -139,25 +128,23 @@ impl Plan {
             return None;
         }
         let mut best: Option<(f64, Plan)> = None;
-        let mut seconds = f64::NAN;
+        let mut shortest = None;
         for half in windows::halves(step_s) {
             let survey = Survey::of(t, q, dof, step_s, half);
-            if step_s > LONGEST_S * 1.02 && OF_HIGH * bent(survey.sums).1 > BENT {
+            let is_bent = OF_HIGH * bent(survey.sums).1 > BENT;
+            let seconds = *shortest.get_or_insert(survey.seconds());
+            let is_short = best.is_some() && survey.seconds() < COVERED * seconds;
+            if step_s > LONGEST_S * 1.02 && is_bent || is_short {
                 break;
-            }
-            if best.is_some() && survey.seconds() < COVERED * seconds {
-                break;
-            }
-            if best.is_none() {
-                seconds = survey.seconds();
             }
             for (terms, error) in survey.errors() {
                 if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                    let unbend = survey.unbend(terms);
                     let plan = Plan {
                         step_s,
                         half,
                         terms,
-                        unbend: survey.unbend(terms),
+                        unbend,
                     };
                     best = Some((error, plan));
                 }
@@ -183,9 +170,9 @@ impl Plan {
         if is_still || rows.is_empty() {
             return None;
         }
-        let reach = match wanted.changes() {
-            true => changes::reach(self.step_s),
-            false => f64::NEG_INFINITY,
+        let reach = match wanted {
+            Wanted::Changes => changes::reach(self.step_s),
+            _ => f64::NEG_INFINITY,
         };
         let near = |a: usize, b: usize| (t[b] - t[a]).abs() <= reach;
         let before = (0..rows.start)
@@ -196,11 +183,11 @@ impl Plan {
         let mut motion = self.motion_in(t, q, dof, around.clone())?;
         motion.jerks = vec![0.0; motion.gains.len()];
         motion.snaps = motion.jerks.clone();
-        if wanted.changes() {
+        if wanted == Wanted::Changes {
             changes::find(&mut motion, &t[around.clone()], self.step_s);
         }
         motion.narrow(rows.start - around.start..rows.end - around.start, dof);
-        if wanted.smooth() {
+        if wanted == Wanted::Smooth {
             motion.smooth = Some(Smooth::of(self, (t, q), &motion, rows));
         }
         Some(motion)
@@ -209,25 +196,24 @@ impl Plan {
     /// The same without changes of accelerations.
     fn motion_in(&self, t: &[f64], q: &[f64], dof: usize, rows: Range<usize>) -> Option<Motion> {
         let nodes = Nodes::of(t, q, dof, self.step_s, self.half);
-        let window = Window::new(&nodes, self.step_s, self.half);
-        let moving = self.moving(&nodes, &window)?;
+        let moving = self.moving(&nodes)?;
         let parts = by_parts(rows, PART, |rows| {
             let mut motion = Motion::default();
             let mut positions = PositionNoise::new(dof, nodes.rows);
-            let mut at: Option<(usize, Local)> = None;
-            for row in rows {
-                let node = nodes.of_row[row];
-                if at.as_ref().is_none_or(|(of, _)| *of != node) {
-                    at = Some((node, self.local(&nodes, &window, node)));
+            let mut row = rows.start;
+            for own in nodes.of_row[rows].chunk_by(|a, b| a == b) {
+                let node = own[0];
+                let (fit, known) = self.local(&nodes, node);
+                for row in row..row + own.len() {
+                    let after = t[row] - nodes.t[node];
+                    self.push(&mut motion, (fit.as_ref(), after), &moving, nodes.rows);
+                    motion.known.push(known);
+                    if let Some(fit) = fit.as_ref().filter(|_| known) {
+                        let own = &q[row * dof..(row + 1) * dof];
+                        positions.add(fit, after, own, |joint| nodes.position(node, joint));
+                    }
                 }
-                let (_, local) = at.as_ref().expect("set above");
-                let after = t[row] - nodes.t[node];
-                let joints = (&moving[..], &self.unbend[..]);
-                local.push(after, nodes.rows as f64, joints, &mut motion);
-                if let Local::Moving(fit, true) = local {
-                    let own = &q[row * dof..(row + 1) * dof];
-                    positions.add(fit, after, own, |joint| nodes.position(node, joint));
-                }
+                row += own.len();
             }
             (motion, positions)
         });
@@ -244,22 +230,18 @@ impl Plan {
 
     /// The variance of nodes of each joint that moves by more than noise shows, `None` of the
     /// others; none where none does.
-    fn moving(&self, nodes: &Nodes, window: &Window) -> Option<Vec<Option<f64>>> {
+    fn moving(&self, nodes: &Nodes) -> Option<Vec<Option<f64>>> {
         let dof = nodes.dof;
         let (mut gains, mut noise) = (vec![0.0; dof], vec![0.0; dof]);
         let (mut variances, mut count) = (vec![0.0; dof], 0.0);
-        let stride = nodes.len().div_ceil(LOOKED_AT / 4).max(1);
-        for node in (0..nodes.len()).step_by(stride) {
-            let around = window.around(node);
-            if !window.is_whole(node, &around) || nodes.are_still(&around) {
-                continue;
-            }
-            let Some(fit) = Polynomials::fit(nodes, node, around, window.half, self.terms) else {
+        let stride = nodes.t.len().div_ceil(LOOKED_AT / 4).max(1);
+        for (node, around) in nodes.moving(stride) {
+            let Some(fit) = Polynomials::fit(nodes, node, around, self.terms) else {
                 continue;
             };
             count += 1.0;
             for joint in 0..dof {
-                gains[joint] += fit.gain(joint).powi(2);
+                gains[joint] += fit.gain(joint, 0.0).powi(2);
                 variances[joint] += fit.variance(joint);
                 noise[joint] += fit.variance(joint) * fit.weight * fit.weight;
             }
@@ -272,16 +254,40 @@ impl Plan {
         moving.iter().any(Option::is_some).then_some(moving)
     }
 
-    fn local(&self, nodes: &Nodes, window: &Window, node: usize) -> Local {
-        let around = window.around(node);
+    /// The polynomials about a node, none where nothing moves or nodes do not settle them; and
+    /// whether motion is known there.
+    fn local(&self, nodes: &Nodes, node: usize) -> (Option<Polynomials>, bool) {
+        let around = nodes.around(node);
         if nodes.are_still(&around) && around.len() > 1 {
-            return Local::Still;
+            return (None, true);
         }
-        let whole = window.is_whole(node, &around);
+        let whole = nodes.reaches(node, &around, self.half);
         let terms = if whole { self.terms } else { EDGE };
-        match Polynomials::fit(nodes, node, around, window.half, terms) {
-            Some(fit) => Local::Moving(fit, whole),
-            None => Local::Unknown,
+        let fit = Polynomials::fit(nodes, node, around, terms);
+        let known = whole && fit.is_some();
+        (fit, known)
+    }
+
+    /// The row `after` seconds from a node, which is the mean of so many `rows`; joints that are
+    /// not `moving` stand.
+    fn push(
+        &self,
+        motion: &mut Motion,
+        (fit, after): (Option<&Polynomials>, f64),
+        moving: &[Option<f64>],
+        rows: usize,
+    ) {
+        let with_positions = fit.map_or(0.0, |fit| fit.with_own / (rows as f64).sqrt());
+        for (joint, (variance, unbend)) in moving.iter().zip(&self.unbend).enumerate() {
+            let [rate, gain, std] = fit.zip(*variance).map_or([0.0; 3], |(fit, variance)| {
+                let gain = fit.gain(joint, after) * unbend;
+                let std = fit.gain_std(joint, variance) * unbend;
+                [fit.rate(joint, after), gain, std]
+            });
+            motion.rates.push(rate);
+            motion.gains.push(gain);
+            motion.gains_std.push(std);
+            motion.with_positions.push(with_positions);
         }
     }
 }
@@ -289,29 +295,25 @@ impl Plan {
 impl Survey {
     fn of(t: &[f64], q: &[f64], dof: usize, step_s: f64, half: f64) -> Survey {
         let nodes = Nodes::of(t, q, dof, step_s, half);
-        let window = Window::new(&nodes, step_s, half);
-        let stride = nodes.len().div_ceil(LOOKED_AT).max(1);
-        let span = nodes.t[nodes.len() - 1] - nodes.t[0];
+        let count = nodes.t.len();
+        let stride = count.div_ceil(LOOKED_AT).max(1);
+        let span = nodes.t[count - 1] - nodes.t[0];
         let mut survey = Survey {
-            stride: span * stride as f64 / nodes.len() as f64,
+            stride: span * stride as f64 / count as f64,
             joints: vec![[0.0; 4]; dof],
             ..Survey::default()
         };
-        for node in (0..nodes.len()).step_by(stride) {
-            let around = window.around(node);
-            if !window.is_whole(node, &around) || nodes.are_still(&around) {
-                continue;
-            }
-            let fit = |terms| Polynomials::fit(&nodes, node, around.clone(), half, terms);
+        for (node, around) in nodes.moving(stride) {
+            let fit = |terms| Polynomials::fit(&nodes, node, around.clone(), terms);
             let (Some(low), Some(high)) = (fit(LOW), fit(HIGH)) else {
                 continue;
             };
             survey.count += dof as f64;
             for joint in 0..dof {
-                let variance = high.variance(joint);
+                let (gain, variance) = (high.gain(joint, 0.0), high.variance(joint));
                 let own = [
-                    high.gain(joint).powi(2),
-                    (high.gain(joint) - low.gain(joint)).powi(2),
+                    gain.powi(2),
+                    (gain - low.gain(joint, 0.0)).powi(2),
                     variance * high.weight * high.weight,
                     variance * low.weight * low.weight,
                 ];
@@ -332,10 +334,10 @@ impl Survey {
     /// it bends next to nothing, and β itself is known less well than β².
     fn unbend(&self, terms: usize) -> Vec<f64> {
         let of = |own: &[f64; 4]| {
-            let moves = own[0] > MOVES * MOVES * own[2];
-            match terms == HIGH && moves {
-                true => 1.0 / (1.0 - OF_HIGH * bent(*own).1.min(MOST_BENT)),
-                false => 1.0,
+            if terms == HIGH && own[0] > MOVES * MOVES * own[2] {
+                1.0 / (1.0 - OF_HIGH * bent(*own).1.min(MOST_BENT))
+            } else {
+                1.0
             }
         };
         self.joints.iter().map(of).collect()
@@ -351,22 +353,79 @@ impl Survey {
     }
 }
 
+/// What rows leave of the polynomials of their windows.
+struct PositionNoise {
+    /// Rows averaged to a node.
+    rows: f64,
+    /// Σ e² of each joint, over what a fit leaves of noise of variance one.
+    squares: Vec<f64>,
+    count: f64,
+}
+
+impl PositionNoise {
+    fn new(dof: usize, rows: usize) -> PositionNoise {
+        PositionNoise {
+            rows: rows as f64,
+            squares: vec![0.0; dof],
+            count: 0.0,
+        }
+    }
+
+    /// Row `q`, `after` seconds from a node at `origin`.
+    fn add(&mut self, fit: &Polynomials, after: f64, q: &[f64], origin: impl Fn(usize) -> f64) {
+        let left = (1.0 - fit.own / self.rows).max(LEAST_LEFT);
+        for (joint, square) in self.squares.iter_mut().enumerate() {
+            let off = q[joint] - origin(joint) - fit.position(joint, after);
+            *square += off * off / left;
+        }
+        self.count += 1.0;
+    }
+
+    /// Add what other rows show.
+    fn merge(&mut self, other: &PositionNoise) {
+        for (sum, more) in self.squares.iter_mut().zip(&other.squares) {
+            *sum += more;
+        }
+        self.count += other.count;
+    }
+
+    /// Standard deviation of each row and joint; joints that stand there have accelerations
+    /// without deviation.
+    fn of_rows(&self, gains_std: &[f64]) -> Vec<f64> {
+        let count = self.count.max(1.0);
+        let std: Vec<f64> = self
+            .squares
+            .iter()
+            .map(|sum| (sum / count).sqrt())
+            .collect();
+        let std = std.iter().cycle().zip(gains_std);
+        std.map(|(std, gain)| if *gain > 0.0 { *std } else { 0.0 })
+            .collect()
+    }
+}
+
 impl Motion {
     /// Leave out rows of `block` whose motion is not known; gives back how many.
     pub fn leave_out_unknown(&mut self, block: &mut Block) -> u64 {
         if self.known.iter().all(|known| *known) {
             return 0;
         }
-        let (keep, dof) = (self.known.clone(), self.dof());
+        let keep = self.known.clone();
         block.retain(&keep);
+        self.keep(&keep);
+        (keep.len() - block.len()) as u64
+    }
+
+    /// Leave out the rows that are false in `keep`.
+    pub fn keep(&mut self, keep: &[bool]) {
+        let dof = self.dof();
         for all in self.columns() {
-            keep_some(all, dof, &keep);
+            keep_some(all, dof, keep);
         }
         for all in self.smooth.iter_mut().flat_map(Smooth::columns) {
-            keep_some(all, dof, &keep);
+            keep_some(all, dof, keep);
         }
-        self.known.retain(|known| *known);
-        (keep.len() - block.len()) as u64
+        keep_some(&mut self.known, 1, keep);
     }
 
     /// Keep some rows in line, before what is smooth is known.
@@ -399,7 +458,7 @@ impl Motion {
     }
 
     /// What is known of each row and joint.
-    pub fn columns(&mut self) -> [&mut Vec<f64>; 7] {
+    fn columns(&mut self) -> [&mut Vec<f64>; 7] {
         [
             &mut self.rates,
             &mut self.gains,

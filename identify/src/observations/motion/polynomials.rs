@@ -38,10 +38,9 @@ impl Polynomials {
         nodes: &Nodes,
         node: usize,
         around: Range<usize>,
-        half: f64,
         terms: usize,
     ) -> Option<Polynomials> {
-        let (dof, count) = (nodes.dof, around.len());
+        let (dof, half, count) = (nodes.dof, nodes.half, around.len());
         if count < terms {
             return None;
         }
@@ -89,15 +88,22 @@ impl Polynomials {
         })
     }
 
-    /// Acceleration at the node.
-    pub fn gain(&self, joint: usize) -> f64 {
-        2.0 * self.power(2)[joint] / (self.half * self.half)
-    }
-
     /// Position `after` seconds from the node, less the node's own.
     pub fn position(&self, joint: usize, after: f64) -> f64 {
-        let (s, c) = (after / self.half, |power| self.power(power)[joint]);
-        c(0) + s * (c(1) + s * (c(2) + s * (c(3) + s * c(4))))
+        let (s, [c0, c1, c2, c3, c4]) = (after / self.half, self.of(joint));
+        c0 + s * (c1 + s * (c2 + s * (c3 + s * c4)))
+    }
+
+    /// Velocity `after` seconds from the node.
+    pub fn rate(&self, joint: usize, after: f64) -> f64 {
+        let (s, [_, c1, c2, c3, c4]) = (after / self.half, self.of(joint));
+        (c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * 4.0 * c4))) / self.half
+    }
+
+    /// Acceleration `after` seconds from the node.
+    pub fn gain(&self, joint: usize, after: f64) -> f64 {
+        let (s, [_, _, c2, c3, c4]) = (after / self.half, self.of(joint));
+        (2.0 * c2 + s * (6.0 * c3 + s * 12.0 * c4)) / (self.half * self.half)
     }
 
     /// Variance of a node.
@@ -105,41 +111,15 @@ impl Polynomials {
         self.left[joint].max(0.0) / self.spare
     }
 
-    /// Coefficients of a power, joint by joint.
-    fn power(&self, power: usize) -> &[f64] {
-        let dof = self.left.len();
-        &self.coefficients[power * dof..(power + 1) * dof]
+    /// Deviation of the acceleration of a joint whose nodes have this `variance` in all of the
+    /// log: few nodes alone say little of it.
+    pub fn gain_std(&self, joint: usize, variance: f64) -> f64 {
+        let left = self.left[joint].max(0.0) + SHARED * variance;
+        (left / (self.spare + SHARED)).sqrt() * self.weight
     }
 
-    /// Velocities `after` seconds from the node.
-    pub fn rates(&self, after: f64, rates: &mut [f64]) {
-        let (s, h) = (after / self.half, self.half);
-        let [_, c1, c2, c3, c4]: [&[f64]; HIGH] = array::from_fn(|k| self.power(k));
-        for (joint, rate) in rates.iter_mut().enumerate() {
-            let bent = s * (3.0 * c3[joint] + s * 4.0 * c4[joint]);
-            *rate = (c1[joint] + s * (2.0 * c2[joint] + bent)) / h;
-        }
-    }
-
-    /// Accelerations `after` seconds from the node.
-    pub fn gains(&self, after: f64, gains: &mut [f64]) {
-        let (s, square) = (after / self.half, self.half * self.half);
-        let [_, _, c2, c3, c4]: [&[f64]; HIGH] = array::from_fn(|k| self.power(k));
-        for (joint, gain) in gains.iter_mut().enumerate() {
-            let bent = s * (6.0 * c3[joint] + s * 12.0 * c4[joint]);
-            *gain = (2.0 * c2[joint] + bent) / square;
-        }
-    }
-
-    /// Deviations of the accelerations of joints that move, whose nodes have `variances` in all
-    /// of the log: few nodes alone say little of it.
-    pub fn gains_std(&self, variances: &[Option<f64>], std: &mut [f64]) {
-        for ((std, left), variance) in std.iter_mut().zip(&self.left).zip(variances) {
-            if let Some(variance) = variance {
-                let left = left.max(0.0) + SHARED * variance;
-                *std = (left / (self.spare + SHARED)).sqrt() * self.weight;
-            }
-        }
+    fn of(&self, joint: usize) -> [f64; HIGH] {
+        array::from_fn(|power| self.coefficients[power * self.left.len() + joint])
     }
 }
 

@@ -13,7 +13,7 @@
 use std::ops::Range;
 
 use super::polynomials::{HIGH, Polynomials};
-use super::windows::{Nodes, Window};
+use super::windows::Nodes;
 use super::{Motion, PART, Plan};
 use crate::threads::by_parts;
 
@@ -41,42 +41,36 @@ impl Smooth {
     ) -> Smooth {
         let (dof, half) = (known.dof(), LONGER * plan.half);
         let nodes = Nodes::of(t, q, dof, plan.step_s, half);
-        let window = Window::new(&nodes, plan.step_s, half);
         let first = rows.start;
         let parts = by_parts(rows, PART, |rows| {
             let mut smooth = Smooth::default();
-            let mut at: Option<(usize, Option<Polynomials>)> = None;
-            for row in rows {
-                let k = row - first;
-                let node = nodes.of_row[row];
-                if at.as_ref().is_none_or(|(of, _)| *of != node) {
-                    let around = window.around(node);
-                    let reaches = window.reaches(node, &around, plan.half);
-                    let fit = (reaches && !nodes.are_still(&around))
-                        .then(|| Polynomials::fit(&nodes, node, around, half, HIGH));
-                    at = Some((node, fit.flatten()));
+            let mut row = rows.start;
+            for own in nodes.of_row[rows].chunk_by(|a, b| a == b) {
+                let node = own[0];
+                let around = nodes.around(node);
+                let fits = nodes.reaches(node, &around, plan.half) && !nodes.are_still(&around);
+                let fit = fits.then(|| Polynomials::fit(&nodes, node, around, HIGH));
+                let fit = fit.flatten();
+                for row in row..row + own.len() {
+                    let after = t[row] - nodes.t[node];
+                    for joint in 0..dof {
+                        let at = (row - first) * dof + joint;
+                        let fit = fit.as_ref();
+                        // Joints that stand have accelerations without deviation.
+                        let [q, rate, gain] = match fit.filter(|_| known.gains_std[at] > 0.0) {
+                            Some(fit) => [
+                                nodes.position(node, joint) + fit.position(joint, after),
+                                fit.rate(joint, after),
+                                fit.gain(joint, after),
+                            ],
+                            None => [q[row * dof + joint], known.rates[at], known.gains[at]],
+                        };
+                        smooth.q.push(q);
+                        smooth.rates.push(rate);
+                        smooth.gains.push(gain);
+                    }
                 }
-                let (_, fit) = at.as_ref().expect("set above");
-                let (after, own) = (t[row] - nodes.t[node], k * dof..(k + 1) * dof);
-                let here = smooth.q.len()..smooth.q.len() + dof;
-                smooth.q.extend(&q[row * dof..(row + 1) * dof]);
-                smooth.rates.extend(&known.rates[own.clone()]);
-                smooth.gains.extend(&known.gains[own.clone()]);
-                let Some(fit) = fit else { continue };
-                // Joints that stand have accelerations without deviation.
-                let stands = |joint: usize| known.gains_std[own.start + joint] <= 0.0;
-                let standing: Vec<usize> = (0..dof).filter(|joint| stands(*joint)).collect();
-                fit.rates(after, &mut smooth.rates[here.clone()]);
-                fit.gains(after, &mut smooth.gains[here.clone()]);
-                for (joint, q) in smooth.q[here.clone()].iter_mut().enumerate() {
-                    *q = nodes.position(node, joint) + fit.position(joint, after);
-                }
-                for joint in standing {
-                    let (at, of) = (here.start + joint, own.start + joint);
-                    smooth.q[at] = q[row * dof + joint];
-                    smooth.rates[at] = known.rates[of];
-                    smooth.gains[at] = known.gains[of];
-                }
+                row += own.len();
             }
             smooth
         });

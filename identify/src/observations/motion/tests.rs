@@ -51,7 +51,7 @@ fn a_swing_is_differentiated_on_jittering_stamps() {
         (1.0, 0.04, 0.02),
     ] {
         let (t, q) = swing(step, 200.0 * step + 4.0 / hertz, hertz);
-        let (_, motion) = planned(&t, &q, 1, Wanted::All);
+        let (_, motion) = planned(&t, &q, 1, Wanted::Changes);
         let known = motion.known.iter().filter(|known| **known).count();
         assert!(known as f64 > 0.85 * t.len() as f64, "{known} of {step}");
         let w = std::f64::consts::TAU * hertz;
@@ -75,7 +75,7 @@ fn logs_with_long_intervals_know_no_accelerations() {
     let (t, _) = swing(0.1, 60.0, 0.2);
     let q = noise(t.len(), 0.3);
     let plan = Plan::of(&t, &q, 1).unwrap();
-    assert_eq!(plan.motion((&t, &q, 1), 0..t.len(), Wanted::All), None);
+    assert_eq!(plan.motion((&t, &q, 1), 0..t.len(), Wanted::Changes), None);
 }
 
 /// Rows at the ends and beside a pause have no window, unless the robot stands there.
@@ -85,14 +85,17 @@ fn edges_have_no_window_unless_the_robot_stands() {
     t.iter_mut().skip(100).for_each(|t| *t += 5.0);
     let at = |k: usize| if k < 100 { (3.0 * t[k]).sin() } else { 0.1 };
     let q: Vec<f64> = (0..t.len()).map(at).collect();
-    let (plan, motion) = planned(&t, &q, 1, Wanted::All);
+    let (plan, motion) = planned(&t, &q, 1, Wanted::Changes);
     for (row, known) in motion.known.iter().enumerate() {
         let whole = row >= 100 || row.min(99 - row) >= 9;
         assert_eq!(*known, whole, "row {row}");
     }
     assert!(motion.gains[100..].iter().all(|gain| *gain == 0.0));
     let still = vec![0.1; t.len()];
-    assert_eq!(plan.motion((&t, &still, 1), 0..t.len(), Wanted::All), None);
+    assert_eq!(
+        plan.motion((&t, &still, 1), 0..t.len(), Wanted::Changes),
+        None
+    );
 }
 
 /// The stated deviation of an acceleration is what noise of the encoders makes of it, and a
@@ -106,7 +109,7 @@ fn deviations_are_those_of_the_noise() {
     let plan = Plan::of(&t, &q, 1).unwrap();
     assert!(plan.half > 0.5, "{plan:?}");
     let rows = 100..t.len() - 100;
-    let motion = plan.motion((&t, &q, 1), rows, Wanted::All).unwrap();
+    let motion = plan.motion((&t, &q, 1), rows, Wanted::Changes).unwrap();
     let w = std::f64::consts::TAU * 0.25;
     let off = motion.gains.iter().zip(&t[100..]);
     let off = off.map(|(gain, t)| gain + 0.3 * w * w * (w * t).sin());
@@ -114,7 +117,10 @@ fn deviations_are_those_of_the_noise() {
     let ratio = rms(&off) / rms(&motion.gains_std);
     assert!((0.85..1.15).contains(&ratio), "{ratio}");
     // Noise alone moves no joint.
-    assert_eq!(plan.motion((&t, &noise, 1), 0..t.len(), Wanted::All), None);
+    assert_eq!(
+        plan.motion((&t, &noise, 1), 0..t.len(), Wanted::Changes),
+        None
+    );
 }
 
 /// Encoders that write ticks bend no acceleration: what is left is noise that averages out.
@@ -130,7 +136,7 @@ fn ticks_leave_accelerations_as_large_as_they_are() {
     for (step, hertz) in rates {
         let (t, q) = swing(step, 120.0, hertz);
         let q = ticks(&q);
-        let (_, motion) = planned(&t, &q, 1, Wanted::All);
+        let (_, motion) = planned(&t, &q, 1, Wanted::Changes);
         let w = std::f64::consts::TAU * hertz;
         let (mut product, mut square) = (0.0, 0.0);
         for (k, t) in t.iter().enumerate().filter(|(k, _)| motion.known[*k]) {
@@ -182,7 +188,7 @@ fn positions_are_known_as_well_as_encoders_read_them() {
         let white = truth.iter().zip(noise(t.len(), 1e-3));
         let white: Vec<f64> = white.map(|(q, e)| q + e).collect();
         for (q, expected) in [(white, 1e-3), (ticks(&truth), TICK / 12_f64.sqrt())] {
-            let (_, motion) = planned(&t, &q, 1, Wanted::All);
+            let (_, motion) = planned(&t, &q, 1, Wanted::Changes);
             let ratio = rms(&motion.positions_std) / expected;
             assert!((0.9..1.15).contains(&ratio), "{step} s: {ratio}");
         }
@@ -198,7 +204,7 @@ fn accelerations_change_as_those_of_a_swing_do() {
     for (step, within) in [(0.01, 0.03), (0.02, 0.03), (0.05, 0.03), (0.16, 0.0)] {
         let (mut t, q) = swing(step, 600.0 * step, if within > 0.0 { hertz } else { 0.1 });
         t.iter_mut().skip(400).for_each(|t| *t += 100.0 / hertz);
-        let (plan, motion) = planned(&t, &q, 1, Wanted::All);
+        let (plan, motion) = planned(&t, &q, 1, Wanted::Changes);
         let mut told = 0;
         for (k, t) in t.iter().enumerate() {
             let (jerk, snap) = (motion.jerks[k], motion.snaps[k]);
@@ -217,7 +223,7 @@ fn accelerations_change_as_those_of_a_swing_do() {
         }
         assert!(within == 0.0 || told > 500, "{told}");
         // In some rows alone, whose neighbours are seen.
-        let some = plan.motion((&t, &q, 1), 100..150, Wanted::All).unwrap();
+        let some = plan.motion((&t, &q, 1), 100..150, Wanted::Changes).unwrap();
         assert_eq!(some.jerks.len(), 50);
         for (k, jerk) in some.jerks.iter().enumerate() {
             let whole = motion.jerks[100 + k];

@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use sesc_runtime::F64x8;
 
+use crate::observations::correlation::GAP;
+
 /// Halves of windows, s.
 const HALVES_S: [f64; 4] = [0.15, 0.3, 0.6, 1.2];
 /// Rows of a window on either side where they are far apart.
@@ -12,14 +14,16 @@ const SIDE: f64 = 3.4;
 const NODE: f64 = 0.05;
 /// Nodes of a whole window, at least: one beyond the five coefficients of order 4.
 pub(super) const FEWEST: usize = 6;
-/// A pause is this many intervals.
-const PAUSE: f64 = 4.0;
 /// Part of half a window that rows must span on either side.
 const SPANNED: f64 = 0.55;
 
-/// Rows averaged over a few milliseconds.
+/// Rows averaged over a few milliseconds, and the windows around them.
 pub(super) struct Nodes {
     pub dof: usize,
+    /// Half a window, s.
+    pub half: f64,
+    /// Nodes further apart are beside a pause, s.
+    pause: f64,
     /// Rows that are averaged to a node where they are dense.
     pub rows: usize,
     pub t: Vec<f64>,
@@ -39,6 +43,8 @@ impl Nodes {
         let rows = ((NODE * half / step_s) as usize).max(1);
         let mut nodes = Nodes {
             dof,
+            half,
+            pause: GAP * step_s.max(NODE * half),
             rows,
             t: Vec::with_capacity(t.len() / rows + 1),
             q: Vec::with_capacity(q.len() / rows / 8 + dof),
@@ -76,10 +82,6 @@ impl Nodes {
         nodes
     }
 
-    pub fn len(&self) -> usize {
-        self.t.len()
-    }
-
     /// Positions of a node, in blocks.
     pub fn blocks(&self, nodes: Range<usize>) -> &[F64x8] {
         &self.q[nodes.start * self.width..nodes.end * self.width]
@@ -93,36 +95,6 @@ impl Nodes {
     /// Whether nothing moves in all of some nodes.
     pub fn are_still(&self, around: &Range<usize>) -> bool {
         self.moved[around.start][0] == self.moved[around.end - 1][1]
-    }
-}
-
-/// Halves of the windows that rows `step_s` apart may have, the shortest first, s; stamps that
-/// jitter leave the outermost rows inside.
-pub(super) fn halves(step_s: f64) -> Vec<f64> {
-    let own = HALVES_S.map(|half| 1.02 * half.max(SIDE * step_s));
-    let mut halves = own.to_vec();
-    halves.dedup();
-    halves
-}
-
-/// How far around a row the nodes of its window reach, s.
-pub(super) fn reach(half: f64) -> f64 {
-    (1.0 + 2.0 * NODE) * half
-}
-
-pub(super) struct Window<'a> {
-    pub t: &'a [f64],
-    pub half: f64,
-    pub pause: f64,
-}
-
-impl<'a> Window<'a> {
-    pub fn new(nodes: &'a Nodes, step_s: f64, half: f64) -> Window<'a> {
-        Window {
-            t: &nodes.t,
-            half,
-            pause: PAUSE * step_s.max(NODE * half),
-        }
     }
 
     /// Nodes around one without a pause.
@@ -145,11 +117,6 @@ impl<'a> Window<'a> {
         first..last + 1
     }
 
-    /// Whether nodes reach far enough to both sides.
-    pub fn is_whole(&self, node: usize, around: &Range<usize>) -> bool {
-        self.reaches(node, around, self.half)
-    }
-
     /// Whether nodes reach far enough to one side, and to the other as far as in a whole window
     /// of half `least`.
     pub fn reaches(&self, node: usize, around: &Range<usize>, least: f64) -> bool {
@@ -159,4 +126,26 @@ impl<'a> Window<'a> {
             && sides[0].max(sides[1]) >= SPANNED * self.half
             && around.len() >= FEWEST
     }
+
+    /// Every `stride`-th node whose window is whole and in which joints move, with the window.
+    pub fn moving(&self, stride: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
+        let all = (0..self.t.len()).step_by(stride);
+        let all = all.map(|node| (node, self.around(node)));
+        all.filter(|(node, around)| {
+            self.reaches(*node, around, self.half) && !self.are_still(around)
+        })
+    }
+}
+
+/// Halves of the windows that rows `step_s` apart may have, the shortest first, s; stamps that
+/// jitter leave the outermost rows inside.
+pub(super) fn halves(step_s: f64) -> Vec<f64> {
+    let mut halves = HALVES_S.map(|half| 1.02 * half.max(SIDE * step_s)).to_vec();
+    halves.dedup();
+    halves
+}
+
+/// How far around a row the nodes of its window reach, s.
+pub(super) fn reach(half: f64) -> f64 {
+    (1.0 + 2.0 * NODE) * half
 }

@@ -65,22 +65,16 @@ impl Motions {
     }
 
     pub(super) fn join(&mut self, other: &Motions) {
-        let all = [self.unknown, other.unknown];
-        match all {
+        match (self.unknown, other.unknown) {
             // What is known counts.
-            [false, true] => return,
-            [true, false] => *self = Motions::default(),
+            (false, true) => return,
+            (true, false) => *self = Motions::default(),
             _ => {}
         }
-        self.unknown = all[0] && all[1];
         self.rows += other.rows;
         for (sums, more) in self.sums.iter_mut().zip(&other.sums) {
-            if sums.is_empty() {
-                sums.resize(more.len(), 0.0);
-            }
-            for (sum, x) in sums.iter_mut().zip(more) {
-                *sum += x;
-            }
+            sums.resize(more.len().max(sums.len()), 0.0);
+            add(sums, more);
         }
     }
 }
@@ -89,6 +83,19 @@ impl Posture {
     pub(super) fn mean(&self) -> Vec<f64> {
         self.q.iter().map(|sum| sum / self.rows).collect()
     }
+
+    fn join(&mut self, row: &Posture) {
+        self.rows += row.rows;
+        add(&mut self.q, &row.q);
+        add(&mut self.sum, &row.sum);
+        add(&mut self.variance, &row.variance);
+        add(&mut self.other, &row.other);
+        self.moving.join(&row.moving);
+    }
+}
+
+fn add(sums: &mut [f64], more: &[f64]) {
+    sums.iter_mut().zip(more).for_each(|(sum, x)| *sum += x);
 }
 
 /// Postures of a log of any length in bounded memory: every `stride`-th is kept,
@@ -98,22 +105,22 @@ impl Posture {
 pub(super) struct Gathering {
     /// Postures number 0, `stride`, 2 `stride`, ….
     pub(super) kept: Vec<Posture>,
-    pub(super) stride: usize,
+    stride: usize,
     /// The number of each posture and its readings, for rows that come back to it.
-    pub(super) known: Grouping<(Option<usize>, Group)>,
+    pub(super) known: Grouping<Group>,
     pub(super) repeats: Repeats,
     pub(super) stays: Stays,
     /// The first posture that each is a visit of; empty where all were reached under one number.
     pub(super) first_visits: Vec<usize>,
     /// Postures that are whole, and the one that rows belong to now.
-    pub(super) seen: usize,
-    pub(super) current: Option<Posture>,
-    pub(super) first: Option<(i64, f64)>,
+    seen: usize,
+    current: Option<Posture>,
+    first: Option<i64>,
     /// Whether pose numbers rise all along.
-    pub(super) rising: bool,
-    pub(super) end: (i64, f64),
+    rising: bool,
+    end: i64,
     /// Least and largest time, s.
-    pub(super) span: (f64, f64),
+    span: (f64, f64),
 }
 
 impl Gathering {
@@ -136,12 +143,12 @@ impl Gathering {
         self.span = (self.span.0.min(row.t), self.span.1.max(row.t));
         let (posture, _) = self.known.of_row((row.pose, ""), &row.q, gravity);
         let visit = posture.visits;
-        let (number, group) = &mut posture.own;
+        let group = &mut posture.own;
         self.repeats.push(group, visit, row.sum, std);
-        let number = *number.get_or_insert(next);
+        let number = *group.number.get_or_insert(next);
         self.stays.push((number, visit), row.t, row.sum);
         if let Some(current) = self.current.as_mut().filter(|_| number == self.seen) {
-            join(current, &row);
+            current.join(&row);
             return;
         }
         self.close();
@@ -149,7 +156,7 @@ impl Gathering {
             self.current = Some(row);
         } else if number.is_multiple_of(self.stride) {
             // Back at an old posture: more readings of it.
-            join(&mut self.kept[number / self.stride], &row);
+            self.kept[number / self.stride].join(&row);
         }
     }
 
@@ -158,9 +165,9 @@ impl Gathering {
         let Some(posture) = self.current.take() else {
             return;
         };
-        self.rising &= self.seen == 0 || posture.pose > self.end.0;
-        self.first.get_or_insert((posture.pose, posture.t));
-        self.end = (posture.pose, posture.t);
+        self.rising &= self.seen == 0 || posture.pose > self.end;
+        self.first.get_or_insert(posture.pose);
+        self.end = posture.pose;
         if self.seen.is_multiple_of(self.stride) {
             self.kept.push(posture);
             if self.kept.len() > 2 * MOST {
@@ -171,29 +178,9 @@ impl Gathering {
         }
         self.seen += 1;
     }
-}
 
-fn join(posture: &mut Posture, row: &Posture) {
-    posture.rows += row.rows;
-    for (sum, q) in posture.q.iter_mut().zip(&row.q) {
-        *sum += q;
-    }
-    for axis in 0..2 {
-        posture.sum[axis] += row.sum[axis];
-        posture.variance[axis] += row.variance[axis];
-    }
-    for (sum, x) in posture.other.iter_mut().zip(row.other) {
-        *sum += x;
-    }
-    posture.moving.join(&row.moving);
-}
-
-impl Gathering {
     /// Take postures that were reached again under another number for visits of one.
     pub(super) fn join_reached_again(&mut self, model: &Model) {
-        fn readings((_, group): &(Option<usize>, Group)) -> &Group {
-            group
-        }
         let predicted = |stances: &[Stance<'_>]| {
             let q: Vec<f64> = stances.iter().flat_map(|at| at.q.clone()).collect();
             let tilts: Vec<[f64; 2]> = stances.iter().map(|at| tilt(at.gravity)).collect();
@@ -201,10 +188,7 @@ impl Gathering {
             let cad = DVector::from_vec(model.cad_params());
             Ok::<_, Infallible>((rows * cad).as_slice().to_vec())
         };
-        let joined = self
-            .repeats
-            .join_reached_again(&self.known, readings, predicted);
-        let Ok(joined) = joined;
+        let Ok(joined) = self.repeats.join_reached_again(&self.known, predicted);
         self.first_visits = joined.unwrap_or_default();
     }
 
@@ -243,7 +227,7 @@ impl Gathering {
         let posture = &self.kept[k];
         let (from, to, at) = match (timed, self.rising) {
             (true, _) => (self.span.0, self.span.1, posture.t),
-            (false, true) => (first.0 as f64, end.0 as f64, posture.pose as f64),
+            (false, true) => (first as f64, end as f64, posture.pose as f64),
             (false, false) => (0.0, self.seen as f64 - 1.0, (k * self.stride) as f64),
         };
         if to > from {

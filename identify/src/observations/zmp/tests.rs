@@ -48,7 +48,9 @@ fn ticks_move_the_zmp_as_far_as_is_said() {
         let read = |t: &f64| (at(*t)[0] / TICK).round() * TICK;
         let q: Vec<f64> = t.iter().map(read).collect();
         let plan = Plan::of(&t, &q, 1).unwrap();
-        let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::All).unwrap();
+        let motion = plan
+            .motion((&t, &q, 1), 0..t.len(), Wanted::Smooth)
+            .unwrap();
         let flat = vec![[0.0; 2]; t.len()];
         let moved = Zmp::new(&model).moved(&q, &motion, 0..t.len(), &flat);
         let known: Vec<usize> = (0..t.len()).filter(|k| motion.known[*k]).collect();
