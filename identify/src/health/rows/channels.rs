@@ -213,9 +213,10 @@ pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
     let kept = rows.kept(left_out);
     let mut frozen: [HashSet<usize>; 2] = Default::default();
     let mut runs = Vec::new();
-    for channel in 0..if rows.cells > 0 { 1 } else { 2 } {
+    let channels = if rows.cells > 0 { 1 } else { 2 };
+    for (channel, frozen) in frozen.iter_mut().enumerate().take(channels) {
         for (run, moved, value) in frozen_runs(rows, &kept, channel) {
-            frozen[channel].extend(&kept[run.clone()]);
+            frozen.extend(&kept[run.clone()]);
             left_out.frozen.insert((channel, value));
             runs.push((run, moved));
         }
