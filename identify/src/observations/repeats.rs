@@ -184,8 +184,6 @@ impl Mean {
 /// Readings of one posture so far.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Group {
-    /// Number of the posture, where its reader counts them.
-    pub number: Option<usize>,
     all: Mean,
     visit: Mean,
     visits: u32,
@@ -217,20 +215,22 @@ impl Repeats {
     }
 
     /// Take postures of `known` that were reached again under another number for visits of one;
-    /// `predicted` says what CAD predicts in postures, x, y, x, y, … (m). The first posture that each is a visit of; none where nothing was joined.
+    /// `group` finds the readings of each, and `predicted` says what CAD predicts in postures, x, y,
+    /// x, y, … (m). The first posture that each is a visit of; none where nothing was joined.
     ///
     /// # Errors
     /// Those of `predicted`.
-    pub fn join_reached_again<E>(
+    pub fn join_reached_again<T, E>(
         &mut self,
-        known: &Grouping<Group>,
+        known: &Grouping<T>,
+        group: impl Fn(&T) -> &Group,
         predicted: impl FnOnce(&[Stance<'_>]) -> Result<Vec<f64>, E>,
     ) -> Result<Option<Vec<usize>>, E> {
         let Some(first) = known.reached_again() else {
             return Ok(None);
         };
         let predicted = predicted(&known.stances())?;
-        let own = |k: usize| &known.postures()[k].own.all;
+        let own = |k: usize| &group(&known.postures()[k].own).all;
         let mut joined: Vec<Mean> = (0..first.len()).map(|k| own(k).clone()).collect();
         for (k, to) in first.iter().copied().enumerate() {
             // Rows that a robust fit rejects are none.

@@ -213,7 +213,7 @@ impl<'r> Measurement<'r> {
         known: &Grouping<Group>,
     ) -> Result<Option<Vec<usize>>, Error> {
         let cad = DVector::from_vec(self.model().cad_params());
-        repeats.join_reached_again(known, |stances: &[Stance<'_>]| {
+        let predicted = |stances: &[Stance<'_>]| {
             let block = Block {
                 line: vec![0; stances.len()],
                 q: stances.iter().flat_map(|at| at.q.clone()).collect(),
@@ -223,7 +223,8 @@ impl<'r> Measurement<'r> {
             };
             let left = self.rows(&block)?.residual(&cad);
             Ok(left.iter().map(|left| -left).collect())
-        })
+        };
+        repeats.join_reached_again(known, |own| own, predicted)
     }
 
     /// The robot as it stands on `link` (the first where none is named).

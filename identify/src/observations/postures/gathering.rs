@@ -107,7 +107,7 @@ pub(super) struct Gathering {
     pub(super) kept: Vec<Posture>,
     stride: usize,
     /// The number of each posture and its readings, for rows that come back to it.
-    pub(super) known: Grouping<Group>,
+    pub(super) known: Grouping<(Option<usize>, Group)>,
     pub(super) repeats: Repeats,
     pub(super) stays: Stays,
     /// The first posture that each is a visit of; empty where all were reached under one number.
@@ -143,9 +143,9 @@ impl Gathering {
         self.span = (self.span.0.min(row.t), self.span.1.max(row.t));
         let (posture, _) = self.known.of_row((row.pose, ""), &row.q, gravity);
         let visit = posture.visits;
-        let group = &mut posture.own;
+        let (number, group) = &mut posture.own;
         self.repeats.push(group, visit, row.sum, std);
-        let number = *group.number.get_or_insert(next);
+        let number = *number.get_or_insert(next);
         self.stays.push((number, visit), row.t, row.sum);
         if let Some(current) = self.current.as_mut().filter(|_| number == self.seen) {
             current.join(&row);
@@ -181,6 +181,9 @@ impl Gathering {
 
     /// Take postures that were reached again under another number for visits of one.
     pub(super) fn join_reached_again(&mut self, model: &Model) {
+        fn readings((_, group): &(Option<usize>, Group)) -> &Group {
+            group
+        }
         let predicted = |stances: &[Stance<'_>]| {
             let q: Vec<f64> = stances.iter().flat_map(|at| at.q.clone()).collect();
             let tilts: Vec<[f64; 2]> = stances.iter().map(|at| tilt(at.gravity)).collect();
@@ -188,7 +191,8 @@ impl Gathering {
             let cad = DVector::from_vec(model.cad_params());
             Ok::<_, Infallible>((rows * cad).as_slice().to_vec())
         };
-        let Ok(joined) = self.repeats.join_reached_again(&self.known, predicted);
+        let repeats = &mut self.repeats;
+        let Ok(joined) = repeats.join_reached_again(&self.known, readings, predicted);
         self.first_visits = joined.unwrap_or_default();
     }
 
