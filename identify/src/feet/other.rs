@@ -129,14 +129,14 @@ impl Feet {
         match model.chain.places[link].as_ref().map(|place| place.body) {
             None => wrong("hangs on a joint that no log knows"),
             Some(0) => wrong(&format!("does not move against the support `{support}`")),
-            Some(_) => match without_soles(model, &name) {
-                Some(why) => Err(Error::request(why)),
-                None => Ok(Some(OtherFoot {
+            Some(_) => {
+                without_soles(model, &name)?;
+                Ok(Some(OtherFoot {
                     link,
                     below_m,
                     name,
-                })),
-            },
+                }))
+            }
         }
     }
 }
@@ -151,23 +151,23 @@ pub(crate) fn of_many(model: &Model, other: &OtherFoot) -> Option<String> {
     ))
 }
 
-/// Why two feet of a robot with more cannot be taken as flat on one floor: such feet are points
-/// unless a name says that there is a sole, or how far below the link it lies.
-fn without_soles(model: &Model, other: &str) -> Option<String> {
+/// Refuse two feet of a robot with more that cannot be taken as flat on one floor: such feet are
+/// points unless a name says that there is a sole, or how far below the link it lies.
+fn without_soles(model: &Model, other: &str) -> Result<(), Error> {
     let (support, count) = (model.support(), model.tree.feet.len());
     let is_flat = |name: &str| is_sole(name) || name.contains('@');
-    let points = count > 2 && [support, other].into_iter().any(|name| !is_flat(name));
-    points.then(|| {
-        format!(
-            "`{support}` and `{other}` are 2 of the robot's {count} feet, and their names do not \
-             say that they are soles: both feet are compared by height, roll and pitch of flat \
-             soles on one floor, and a floor gives a point foot no roll and no pitch. Record the \
-             robot on one foot that carries it alone; or, where these feet are flat, say how \
-             far below them their soles lie, `{0}@40mm`, or give each a link in its sole behind a \
-             fixed joint, called such as `{0}_sole`",
-            carrier(model)
-        )
-    })
+    if count <= 2 || is_flat(support) && is_flat(other) {
+        return Ok(());
+    }
+    Err(Error::request(format!(
+        "`{support}` and `{other}` are 2 of the robot's {count} feet, and their names do not say \
+         that they are soles: both feet are compared by height, roll and pitch of flat soles on one \
+         floor, and a floor gives a point foot no roll and no pitch. Record the robot on one foot \
+         that carries it alone; or, where these feet are flat, say how far below them their soles \
+         lie, `{0}@40mm`, or give each a link in its sole behind a fixed joint, called such as \
+         `{0}_sole`",
+        carrier(model)
+    )))
 }
 
 fn unknown(model: &Model) -> Error {
@@ -188,11 +188,16 @@ fn carrier(model: &Model) -> &str {
     }
 }
 
-/// The robot's links but the support, soles and feet first.
-fn soles(model: &Model) -> String {
+/// The robot's links but the support and what carries it.
+fn others(model: &Model) -> Vec<&str> {
     let links = model.tree.links.iter().map(|link| link.name.as_str());
     let own = [model.support(), carrier(model)];
-    let mut names: Vec<&str> = links.filter(|name| !own.contains(name)).collect();
+    links.filter(|name| !own.contains(name)).collect()
+}
+
+/// These, soles and feet first.
+fn soles(model: &Model) -> String {
+    let mut names = others(model);
     names.sort_by_key(|name| support_rank(name));
     listed(names, 12)
 }
@@ -200,27 +205,18 @@ fn soles(model: &Model) -> String {
 /// The link that is called as the support is on the other side; else the only other one of
 /// the words that name a foot. Where the support is the sole of a link, its sole.
 fn mirrored(model: &Model) -> Option<String> {
-    let link = mirrored_link(model)?;
-    Some(match model.tree.by_height {
-        true => like_sole(model.support(), &link),
-        false => link,
-    })
-}
-
-fn mirrored_link(model: &Model) -> Option<String> {
-    let support = carrier(model);
-    let others = || {
-        let names = model.tree.links.iter().map(|link| &link.name);
-        names.filter(|name| *name != support && *name != model.support())
-    };
-    let mut mirrors = others().filter(|name| mirror(support, name));
-    if let Some(first) = mirrors.next() {
-        return mirrors.next().is_none().then(|| first.clone());
+    let (support, mut found) = (carrier(model), others(model));
+    if found.iter().any(|name| mirror(support, name)) {
+        found.retain(|name| mirror(support, name));
+    } else {
+        let rank = support_rank(support);
+        found.retain(|name| support_rank(name) == rank && rank < support_rank(""));
     }
-    let rank = support_rank(support);
-    let mut alike = others().filter(|name| support_rank(name) == rank);
-    let first = alike.next().filter(|_| support_rank("") > rank)?;
-    alike.next().is_none().then(|| first.clone())
+    let [link] = found[..] else { return None };
+    Some(match model.tree.by_height {
+        true => like_sole(model.support(), link),
+        false => link.to_string(),
+    })
 }
 
 /// Whether two names differ in one word alone, which names a side.
@@ -237,10 +233,8 @@ fn mirror(one: &str, other: &str) -> bool {
             alone && format!("{before}{to}{after}") == other
         })
     };
-    let sides = SIDES.iter();
-    sides
-        .flat_map(|(a, b)| [(a, b), (b, a)])
-        .any(|(a, b)| turned(a, b))
+    let mut sides = SIDES.into_iter();
+    sides.any(|(a, b)| turned(a, b) || turned(b, a))
 }
 
 /// The soles of a robot, by its URDF.

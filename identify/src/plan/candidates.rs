@@ -143,21 +143,22 @@ impl Clearance {
             if body == 0 || Some(body) == standing {
                 continue;
             }
-            let mut solids: Vec<(Pose, Solid)> = geometry.on(&about.name, place).collect();
-            all.by_shapes += usize::from(!solids.is_empty());
-            all.by_points += usize::from(solids.is_empty());
-            if solids.is_empty() {
-                let at = |origin| Pose { origin, ..place };
-                let points = points(model, link, &place).into_iter();
-                solids.extend(points.map(|point| (at(point), Solid::Sphere { radius: 0.0 })));
+            let before = all.parts.len();
+            let part = |(pose, solid)| Part {
+                body,
+                link,
+                pose,
+                solid,
+            };
+            all.parts.extend(geometry.on(&about.name, place).map(part));
+            if all.parts.len() > before {
+                all.by_shapes += 1;
+                continue;
             }
-            all.parts
-                .extend(solids.into_iter().map(|(pose, solid)| Part {
-                    body,
-                    link,
-                    pose,
-                    solid,
-                }));
+            all.by_points += 1;
+            let point = |origin| (Pose { origin, ..place }, Solid::Sphere { radius: 0.0 });
+            let points = points(model, link, body, &place).into_iter();
+            all.parts.extend(points.map(point).map(part));
         }
         all
     }
@@ -191,8 +192,8 @@ impl Clearance {
     }
 }
 
-/// Origin, CoM and joints of a link in its body, without what the support body holds.
-fn points(model: &Model, link: usize, place: &Pose) -> Vec<Vector3<f64>> {
+/// Origin, CoM and joints of a link in its `body`, without what the support body holds.
+fn points(model: &Model, link: usize, body: usize, place: &Pose) -> Vec<Vector3<f64>> {
     let about = &model.tree.links[link];
     let mut points = vec![place.origin];
     if about.mass > 0.0 {
@@ -206,7 +207,6 @@ fn points(model: &Model, link: usize, place: &Pose) -> Vec<Vector3<f64>> {
             points.push(place.point(&edge.offset().into()));
         }
     }
-    let body = poses::of_link(model, link).map_or(0, |(body, _)| body);
     let held = model.chain.bodies[body].parent == Some(0);
     // The body's own origin is the point of the joint that carries it.
     points.retain(|point| !(held && point.norm() < 1e-9));
@@ -251,7 +251,7 @@ impl<'m> BothFeet<'m> {
             place,
             rest: Vector2::zeros(),
         };
-        feet.rest = feet.sole(rest).origin.xy();
+        feet.rest = feet.at(rest);
         Some(feet)
     }
 
@@ -273,10 +273,8 @@ impl<'m> BothFeet<'m> {
         self.tape
             .run(&[Values::PerPosture(q)], 1, &mut out, FASTEST);
         let row = |k: usize| &out[k * width..(k + 1) * width];
-        (
-            [0, 1, 2].map(|k| row(k)[0]),
-            [0, 1, 2].map(|k| row(k)[1..].to_vec()),
-        )
+        let rows = [0, 1, 2].map(row);
+        (rows.map(|row| row[0]), rows.map(|row| row[1..].to_vec()))
     }
 
     /// One step towards both soles on the floor and a CoP that is off by `miss` (m), whose
@@ -300,7 +298,7 @@ impl<'m> BothFeet<'m> {
         for _ in 0..20 {
             let (lies, slopes) = self.lies(q);
             if Vector3::from(lies).amax() <= ON_FLOOR {
-                return true;
+                break;
             }
             let slopes = slopes.each_ref().map(Vec::as_slice);
             move_by(q, lies.map(|x| -x), slopes, DAMPING, ranges);
@@ -474,18 +472,12 @@ impl Sampler<'_> {
         let mut within = |(low, high): (f64, f64)| low + (high - low) * rng.random::<f64>();
         // At least a fifth of the limits from rest.
         let spread = within((1.0, 0.2));
-        let ranges = self
-            .scene
-            .limits
-            .ranges
-            .iter()
-            .zip(self.scene.limits.rest());
+        let (limits, region) = (self.scene.limits, self.scene.region);
+        let ranges = limits.ranges.iter().zip(limits.rest());
         let q = ranges
             .map(|(&range, rest)| (rest + spread * (within(range) - rest)).clamp(range.0, range.1))
             .collect();
-        let region = self.scene.region;
-        let bounds = region.bounds();
-        let mut points = (0..100).map(|_| Vector2::from(bounds.map(&mut within)));
+        let mut points = (0..100).map(|_| Vector2::from(region.bounds().map(&mut within)));
         let target = points.find(|at| region.violation(*at, &Matrix2::zeros(), 0.0) <= 0.0);
         Drawn {
             q,
@@ -573,40 +565,33 @@ struct Drawn {
 
 /// What became of the draws, and which demand to relax.
 pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Message {
-    let tree = &scene.model.tree;
-    let Counts {
-        drawn,
-        balanced,
-        clear,
-        collision_free,
-        ..
-    } = counts;
+    let (drawn, balanced, clear) = (counts.drawn, counts.balanced, counts.clear);
+    let free = counts.collision_free;
     let support = scene.model.support();
     let wide_enough = wide_enough(request, counts);
     let numbers = format!(
         "of {drawn} postures drawn, {balanced} balance on `{support}`, {clear} of them keep clear of \
-         the ground, {collision_free} of these of themselves; {} are wanted",
+         the ground, {free} of these of themselves; {} are wanted",
         request.poses
     );
-    let remedy = if *balanced < request.poses.max(drawn / 1000) {
-        let miss = match wide_enough.map(|(miss, _)| miss) {
-            Some(miss) => format!(", the best one misses by {:.1} mm", 1e3 * miss),
-            None => String::new(),
-        };
+    let remedy = if balanced < request.poses.max(drawn / 1000) {
+        let miss =
+            wide_enough.map(|(miss, _)| format!(", the best one misses by {:.1} mm", 1e3 * miss));
         let strict = format!(
-            "the CoP must stay within {}, by {} standard deviations ({:.1} mm each on average){miss}",
+            "the CoP must stay within {}, by {} standard deviations ({:.1} mm each on average){}",
             request.region.sentence(),
             request.sigmas,
             1e3 * counts.cop_std,
+            miss.unwrap_or_default(),
         );
-        let enough = wide_enough.map_or_else(String::new, |(_, half)| {
+        let enough = wide_enough.map(|(_, half)| {
             format!(" ({half} lets a tenth of them balance, where the foot is so large)")
         });
         message![
             strict,
             ": give a larger ",
             Setting::CopBox,
-            enough,
+            enough.unwrap_or_default(),
             " or the ",
             Setting::Sole,
             ", a ",
@@ -616,14 +601,14 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
             " that suit the support",
             request.robot.feet_note()
         ]
-    } else if *clear < request.poses.max(balanced / 1000) {
+    } else if clear < request.poses.max(balanced / 1000) {
         let worst = (0..counts.low.len())
             .max_by_key(|&link| counts.low[link])
             .unwrap_or(0);
         let low = format!(
             "asked is {}; most often `{}` is too low: give a smaller ",
             scene.clearance.sentence(),
-            tree.links[worst].name
+            scene.model.tree.links[worst].name
         );
         message![
             low,
@@ -632,7 +617,7 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
             Setting::Limits,
             ", or a support whose z = 0 is its sole"
         ]
-    } else if *collision_free < *clear {
+    } else if free < clear {
         message!["give narrower ", Setting::Limits, ", or ask for fewer"]
     } else {
         message![
@@ -648,12 +633,8 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
 /// How far the best draw is out, and half the side of a square that lets a tenth of the draws
 /// balance, whole cm in m; none where some balance, or where both feet carry.
 fn wide_enough(request: &Request, counts: &Counts) -> Option<(f64, f64)> {
-    let finite = counts
-        .misses
-        .iter()
-        .copied()
-        .filter(|miss| miss.is_finite());
-    let mut misses: Vec<f64> = finite.collect();
+    let misses = counts.misses.iter().copied();
+    let mut misses: Vec<f64> = misses.filter(|miss| miss.is_finite()).collect();
     misses.sort_by(f64::total_cmp);
     let nearest = misses.first().filter(|_| counts.balanced == 0)?;
     let ends = request.region.bounds();

@@ -87,8 +87,8 @@ impl WhitenedRows {
         let seen: Vec<usize> = (0..svd.singular_values.len())
             .filter(|&k| svd.singular_values[k] > unseen * largest)
             .collect();
-        let v = svd.v_t;
-        let v = v.unwrap_or_else(|| DMatrix::zeros(0, regressor.nrows()));
+        let none = || DMatrix::zeros(0, regressor.nrows());
+        let v = svd.v_t.unwrap_or_else(none);
         let mut whiten = DMatrix::zeros(seen.len(), regressor.nrows());
         for (to, &k) in seen.iter().enumerate() {
             whiten.set_row(to, &(v.row(k) * (count.sqrt() / svd.singular_values[k])));
@@ -245,15 +245,10 @@ impl<'r> State<'r> {
 
     /// The unused candidate that gains most; the first of equals.
     fn best(&self) -> usize {
-        let size = |k: usize| (Matrix2::identity() + self.gains[k]).determinant();
-        let mut best = (usize::MAX, f64::NEG_INFINITY);
-        for k in (0..self.gains.len()).filter(|&k| !self.used[k]) {
-            let size = size(k);
-            if size > best.1 || best.0 == usize::MAX {
-                best = (k, size);
-            }
-        }
-        best.0
+        let size = |k: usize| (k, (Matrix2::identity() + self.gains[k]).determinant());
+        let free = (0..self.gains.len()).filter(|&k| !self.used[k]).map(size);
+        let best = free.reduce(|best, own| if own.1 > best.1 { own } else { best });
+        best.map_or(usize::MAX, |(k, _)| k)
     }
 
     /// M + sign · a_kᵀ a_k: take a candidate in or out.
