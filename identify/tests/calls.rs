@@ -8,12 +8,15 @@ use sesc_identify::logs::{
     LogSource, Options, PostureReader, PostureWriter, Sidecar, Table, Written,
 };
 use sesc_identify::plan::Region;
-use sesc_identify::plan::{self, COP_BOX, plan};
+use sesc_identify::plan::{self, plan};
 use sesc_identify::predict::{self, predict};
 use sesc_identify::robot::Robot;
 use sesc_identify::robot::Stance;
 use sesc_identify::simulate::{self, simulate};
 use sesc_identify::{Error, ErrorKind, Message, Progress, Setting, Watch};
+
+/// |CoP| in the seed paper's postures of the OP2, m.
+const COP_BOX: f64 = 0.023;
 
 const OP2: &str = include_str!("../../robots/op2/op2.urdf");
 

@@ -378,8 +378,7 @@ pub struct ClosureFound {
 
 impl ClosureFound {
     /// Returns the one of two logs whose soles lie worse.
-    #[doc(hidden)]
-    pub fn worse(self, other: ClosureFound) -> ClosureFound {
+    pub(crate) fn worse(self, other: ClosureFound) -> ClosureFound {
         let ratio = |found: &ClosureFound| {
             let open = if found.closes { 0.0 } else { 1e9 };
             open + found.chi2 / found.expected.max(1.0)
@@ -439,8 +438,7 @@ impl ClosureFound {
     }
 
     /// What a diagnosis says, whose explanation leaves `after`; `changed` where there is one.
-    #[doc(hidden)]
-    pub fn explained(mut self, changed: bool) -> ClosureFound {
+    pub(crate) fn explained(mut self, changed: bool) -> ClosureFound {
         let after = self.after.sentence();
         let rest = match (self.closes, changed) {
             (true, false) => "as noise and the flatness of soles allow".to_string(),

@@ -75,7 +75,7 @@ use design::WhitenedRows;
 /// ```
 /// use std::sync::Arc;
 ///
-/// use sesc_identify::plan::{COP_BOX, Region, Request, plan};
+/// use sesc_identify::plan::{Region, Request, plan};
 /// use sesc_identify::robot::{Robot, Stance};
 ///
 /// # let urdf = "<robot name='pole'><link name='foot'/><link name='top'><inertial>\
@@ -84,7 +84,7 @@ use design::WhitenedRows;
 /// #   <origin xyz='0 0 1'/><axis xyz='0 1 0'/><limit lower='-1' upper='1'/></joint></robot>";
 /// let robot = Arc::new(Robot::parse(urdf, "pole.urdf")?);
 /// let model = Stance::new(robot.clone()).on("foot").model()?;
-/// let region = Region::square(COP_BOX, 0.0)?;
+/// let region = Region::square(0.023, 0.0)?;
 /// let mut request = Request::new(robot, model, 5, region);
 /// request.candidates = Some(50);
 /// request.sigmas = 0.0;
@@ -240,9 +240,6 @@ fn some(q: &[f64], dof: usize, chosen: &[usize]) -> Vec<f64> {
     own.copied().collect()
 }
 
-/// |CoP| in the seed paper's postures of the OP2, m.
-pub const COP_BOX: f64 = 0.023;
-
 /// What is asked for.
 #[derive(Clone)]
 #[non_exhaustive]
@@ -310,10 +307,8 @@ impl Request {
 
     /// Whether the numbers make sense.
     fn check(&self) -> Result<(), Error> {
-        let refused = |setting: Setting, remedy: String| {
-            let why = message![setting, remedy];
-            Err(Error::request(why))
-        };
+        let refused =
+            |setting: Setting, remedy: String| Err(Error::request(message![setting, remedy]));
         let more = "give a number, zero or more";
         let numbers = [
             (

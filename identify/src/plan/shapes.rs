@@ -101,8 +101,10 @@ impl Geometry {
         let mut said: BTreeMap<String, Vec<&str>> = BTreeMap::new();
         for (link, collisions) in description.link_names().zip(found) {
             for collision in collisions {
-                let is_mesh = |shape: &urdf::Shape| matches!(shape, urdf::Shape::Mesh { .. });
-                let boxed = collision.as_ref().is_ok_and(|own| is_mesh(&own.shape));
+                let boxed = matches!(
+                    collision.as_ref().map(|own| &own.shape),
+                    Ok(urdf::Shape::Mesh { .. })
+                );
                 let note = match collision.and_then(|own| solid(&own, folder)) {
                     Ok((pose, solid)) => {
                         let link = link.to_string();
