@@ -3,7 +3,6 @@
 //! A function for each target, called with what libFuzzer made up; each states what must hold
 //! besides. `fuzz/run` builds and runs them, `docs/dev/quality.md` says what came of them.
 
-pub mod arrow;
 pub mod files;
 pub mod generated_c;
 pub mod logs;

@@ -306,8 +306,6 @@ def verify(model: Model, *, samples: int | None = None, seed: int = 1, progress:
     check_first(model, Model, "a model")
     samples = None if samples is None else _run.whole("samples", samples, 1, FitError)
     seed = _run.whole("seed", seed, 0, FitError)
-    try:
-        found, units = _sesc.verify_model(model.robot, model, samples, seed, _run.shown(progress))
-    finally:
-        _run.ended(progress)
+    with _run.showing(progress) as show:
+        found, units = _sesc.verify_model(model.robot, model, samples, seed, show)
     return Verification({"json": found, "units": dict(units)})

@@ -310,28 +310,14 @@ def diagnose(
         "settle": settle,
         "servos": None if servos is None else os.fspath(servos),
     }
-    try:
-        report = _sesc.diagnose_log(
+    with _run.showing(progress) as show:
+        found = _sesc.diagnose_log(
             robot,
             first._inner,
             [one._inner for one in further],
             [one._inner for one in before],
             options,
-            _run.shown(progress),
+            show,
         )
-    finally:
-        _run.ended(progress)
     first._robot = first._robot or robot
-    state = {
-        "json": report.json(),
-        "text": report.text(),
-        "page": report.page(),
-        "model_file": report.model_file(),
-        "robot": robot,
-        "prior": os.fspath(prior),
-        "correction": report.correction(),
-        "next": report.next(),
-        "warnings": report.warnings,
-        "notes": report.notes,
-    }
-    return Diagnosis(state)
+    return Diagnosis({**found, "robot": robot, "prior": os.fspath(prior)})

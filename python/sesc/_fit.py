@@ -257,8 +257,7 @@ class Fit(FoundInLogs):
         """
         total_mass = _run.number("total_mass", total_mass)
         if self._report is not None:
-            text, _, _ = self._report.corrected(total_mass)
-            return CorrectedUrdf(text, [])
+            return CorrectedUrdf(self._report.corrected(total_mass), [])
         state = self._state
         known = (state["params"].tolist(), state["masses"])
         text = _sesc.correct_fit(state["robot"], self._found["support"], *known, state["prior"], total_mass)
@@ -266,7 +265,7 @@ class Fit(FoundInLogs):
 
     def _page(self) -> str:
         if self._report is not None:
-            return self._report.page("sesc.fit(…)", None)
+            return self._report.page()
         page: str = self._state["page"]
         return page
 
@@ -354,38 +353,26 @@ def fit(
         parts.insert(0, robot)
     options = options_of(support, angles, prior, noise, robust, folds, range, physical, motion, settle, unit)
     options["duplicates"] = duplicates
-    try:
+    with _run.showing(progress) as show:
         report = _sesc.fit_logs(
             robot if isinstance(robot, Robot) else None,
             [one._inner for one in logs],
             [one._inner for one in parts],
             options,
-            _run.shown(progress),
+            show,
         )
-    finally:
-        _run.ended(progress)
     for one in logs:
         one._robot = one._robot or (robot if isinstance(robot, Robot) else None)
-    if not report.usable:
+    if report.unusable is not None:
         from ._errors import LogError
 
-        found = json.loads(report.json())
-        error = LogError("; ".join(finding["sentence"] for finding in found["health"]))
+        error = LogError(report.unusable)
         error.file = logs[0].name if logs else None
         raise error
     urdf, file, snap = report.robot
-    state = {
-        "json": report.json(),
-        "text": report.text(),
-        "params": report.params(),
-        "covariance": report.covariance(),
-        "model_file": report.model_file(),
-        "robot": robot if isinstance(robot, Robot) else _sesc.Robot.__new__(Robot, file, urdf, snap),
-        "prior": os.fspath(prior),
-        "warnings": report.warnings,
-        "notes": report.notes,
-    }
-    return Fit(state, report)
+    if not isinstance(robot, Robot):
+        robot = _sesc.Robot.__new__(Robot, file, urdf, snap)
+    return Fit({**report.state(), "robot": robot, "prior": os.fspath(prior)}, report)
 
 
 def _model_of(state: dict[str, Any]) -> Model:

@@ -129,7 +129,7 @@ class Log:
             >>> isinstance(log.health, list)
             True
         """
-        return [Finding(*found) for found in self._inner.health(self._robot, None)]
+        return [Finding(*found) for found in self._inner.health(self._robot)]
 
     def to_dict(self) -> dict[str, Any]:
         """Name, settings and health, for JSON.

@@ -32,6 +32,7 @@ class Part:
 
     def __init__(self, inner: _sesc.Part) -> None:
         self._inner = inner
+        self._about: dict[str, Any] = json.loads(inner.about())
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Part:
@@ -86,7 +87,7 @@ class Part:
             >>> part.postures
             30
         """
-        return self._inner.postures
+        return int(self._about["postures"])
 
     @property
     def support(self) -> str:
@@ -96,7 +97,7 @@ class Part:
             >>> part.support
             'foot'
         """
-        return self._inner.support
+        return str(self._about["support"])
 
     @property
     def supports(self) -> list[str]:
@@ -106,7 +107,7 @@ class Part:
             >>> part.supports
             ['foot']
         """
-        return self._inner.supports
+        return list(self._about["supports"])
 
     @property
     def robot_hash(self) -> str:
@@ -116,7 +117,7 @@ class Part:
             >>> part.robot_hash == robot.hash
             True
         """
-        return self._inner.hash
+        return str(self._about["robot_hash"])
 
     @property
     def unit(self) -> str | None:
@@ -126,7 +127,8 @@ class Part:
             >>> sesc.gather(robot, log, unit="r07").unit
             'r07'
         """
-        return self._inner.unit
+        unit: str | None = self._about["unit"]
+        return unit
 
     @property
     def options(self) -> dict[str, Any]:
@@ -136,7 +138,7 @@ class Part:
             >>> part.options["motion"]
             'auto'
         """
-        return dict(json.loads(self._inner.options))
+        return dict(self._about["options"])
 
     @property
     def logs(self) -> list[dict[str, Any]]:
@@ -146,7 +148,7 @@ class Part:
             >>> part.logs[0]["rows"]
             30
         """
-        return [{"file": file, "hash": hash, "rows": rows} for file, hash, rows in self._inner.logs]
+        return [{key: log[key] for key in ("file", "hash", "rows")} for log in self._about["logs"]]
 
     @property
     def health(self) -> list[Finding]:
@@ -156,7 +158,7 @@ class Part:
             >>> isinstance(part.health, list)
             True
         """
-        return [Finding(*found) for found in self._inner.health]
+        return [Finding(f["kind"], f["target"], f["sentence"]) for f in self._about["health"]]
 
     @property
     def warnings(self) -> list[str]:
@@ -166,7 +168,7 @@ class Part:
             >>> isinstance(part.warnings, list)
             True
         """
-        return self._inner.warnings
+        return list(self._about["warnings"])
 
     def to_dict(self) -> dict[str, Any]:
         """Its properties, for JSON.
@@ -194,7 +196,7 @@ class Part:
         return hash(bytes(self))
 
     def __repr__(self) -> str:
-        logs = len(self._inner.logs)
+        logs = len(self.logs)
         unit = f" of unit {self.unit}" if self.unit is not None else ""
         return f"<sesc.Part{unit} on {self.support}: {self.postures} postures of {logs} log{'s' * (logs != 1)}>"
 
@@ -241,10 +243,8 @@ def gather(
     logs = _run.logs(log)
     if not logs:
         raise PartError("no logs to gather; give one or more")
-    try:
-        inner = _sesc.Part.gather(robot, [one._inner for one in logs], options, _run.shown(progress))
-    finally:
-        _run.ended(progress)
+    with _run.showing(progress) as show:
+        inner = _sesc.Part.gather(robot, [one._inner for one in logs], options, show)
     return Part(inner)
 
 

@@ -272,12 +272,9 @@ def plan(
         "other_foot": other_foot,
     }
     log = None if data is None else _run.one_log(data, PlanError)._inner
-    try:
-        found = _sesc.plan_postures(robot, standing, log, options, _run.shown(progress))
-    finally:
-        _run.ended(progress)
-    state = {"json": found.json(), "text": found.text(), "page": found.page("plan", "sesc.plan(…)")}
-    return Plan(standing, found.rows(), state)
+    with _run.showing(progress) as show:
+        rows, said = _sesc.plan_postures(robot, standing, log, options, show)
+    return Plan(standing, rows, said)
 
 
 def simulate(
@@ -343,10 +340,8 @@ def simulate(
         "motion": _run.motion(motion),
         "hide": hidden,
     }
-    try:
-        log = _sesc.simulate_log(model, options, _run.shown(progress))
-    finally:
-        _run.ended(progress)
+    with _run.showing(progress) as show:
+        log = _sesc.simulate_log(model, options, show)
     return Log._of(log, model.robot)
 
 
@@ -383,11 +378,9 @@ def predict(
     """
     check_first(model, Model, "a model")
     one = _run.one_log(log, LogError)
-    try:
+    with _run.showing(progress) as show:
         units, moves = _run.degrees(angles), _run.motion(motion)
         pose, com, cop = _sesc.predict_log(
-            model.robot, model.support, model, one._inner, units, moves, _run.shown(progress)
+            model.robot, model.support, model, one._inner, units, moves, show
         )
-    finally:
-        _run.ended(progress)
     return {"pose": pose, "com": com, "cop": cop}

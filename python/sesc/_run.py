@@ -7,7 +7,8 @@ import operator
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any, Union
 
 from ._errors import ArgumentError, ArgumentTypeError
@@ -118,11 +119,15 @@ def _time(seconds: float) -> str:
     return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"
 
 
-def ended(progress: Progress) -> None:
-    """Clear the line of :func:`_print`."""
-    if progress is True and sys.stdout is not None:
-        sys.stdout.write("\r" + " " * 60 + "\r")
-        sys.stdout.flush()
+@contextmanager
+def showing(progress: Progress) -> Iterator[Callable[[str, int, int | None], object] | None]:
+    """The function that is told how far a call is; the line of :func:`_print` is cleared in the end."""
+    try:
+        yield shown(progress)
+    finally:
+        if progress is True and sys.stdout is not None:
+            sys.stdout.write("\r" + " " * 60 + "\r")
+            sys.stdout.flush()
 
 
 def degrees(angles: Angles | None) -> bool | None:

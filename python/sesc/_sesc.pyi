@@ -7,7 +7,6 @@ from typing_extensions import Self, disjoint_base
 from ._arrays import Float64
 
 __all__ = [
-    "DiagnosisReport",
     "FLEET_COLUMNS",
     "FitReport",
     "FleetFound",
@@ -15,7 +14,6 @@ __all__ = [
     "Model",
     "OP2_URDF",
     "Part",
-    "PlanReport",
     "Robot",
     "Unusable",
     "__version__",
@@ -186,11 +184,11 @@ class Log:
     def settings(self) -> str: ...
     def content(self) -> _Bytes | None:
         """The bytes of a file that was given by them."""
-    def health(self, robot: Robot | None = None, show: _Show = None) -> list[tuple[str, str, str]]:
+    def health(self, robot: Robot | None) -> list[tuple[str, str, str]]:
         """What is wrong with the data themselves: kind, target, sentence."""
     def columns(self) -> dict[str, Any] | None:
         """The columns of a table, by name; none of a file."""
-    def write(self, path: str, show: _Show = None) -> str:
+    def write(self, path: str) -> str:
         """Write a simulated log with its sidecar, whose path is given back."""
 
 @disjoint_base
@@ -206,87 +204,26 @@ class Part:
         """The bytes of a file of it."""
     def merged(self, other: Part) -> Part:
         """This part and another, together."""
-    @property
-    def support(self) -> str: ...
-    @property
-    def supports(self) -> list[str]: ...
-    @property
-    def hash(self) -> str: ...
-    @property
-    def postures(self) -> int: ...
-    @property
-    def unit(self) -> str | None: ...
-    @property
-    def options(self) -> str: ...
-    @property
-    def logs(self) -> list[tuple[str, str, int]]: ...
-    @property
-    def health(self) -> list[tuple[str, str, str]]: ...
-    @property
-    def warnings(self) -> list[str]: ...
+    def about(self) -> str:
+        """Robot, logs and options, and what is wrong with them, as JSON."""
 
 @final
 class FitReport:
     """What a fit found, with what is needed to make files of it."""
     @property
-    def usable(self) -> bool: ...
+    def unusable(self) -> str | None:
+        """What is wrong with data that cannot be used, as sentences."""
     @property
     def robot(self) -> tuple[str, str, bool]: ...
-    @property
-    def warnings(self) -> list[str]: ...
-    @property
-    def notes(self) -> list[str]: ...
-    def json(self) -> str:
-        """What `sesc fit --json` prints."""
-    def text(self) -> str:
-        """What `sesc fit` prints."""
-    def params(self) -> Float64:
-        """The parameters, m."""
-    def covariance(self) -> Float64:
-        """Covariance of the parameters, row by row."""
-    def model_file(self) -> str:
-        """The model file."""
-    def corrected(self, total_mass: float | None = None) -> tuple[str, str, str]:
-        """The corrected URDF, what changed in it as JSON, and the same as a table."""
+    def state(self) -> dict[str, Any]:
+        """All that Python keeps of data that can be used."""
+    def corrected(self, total_mass: float | None = None) -> str:
+        """The corrected URDF."""
     def masses(self) -> list[float] | None:
         """Masses and first moments of the corrected URDF, as parts of the whole; none where no
         masses give the parameters."""
-    def page(self, command: str, show: _Show = None) -> str:
-        """The page of `sesc fit --report`; `command` makes it again."""
-
-@final
-class DiagnosisReport:
-    """What a diagnosis found, with what is needed to make files of it."""
-    @property
-    def warnings(self) -> list[str]: ...
-    @property
-    def notes(self) -> list[str]: ...
-    def json(self) -> str:
-        """What `sesc diagnose --json` prints."""
-    def text(self) -> str:
-        """What `sesc diagnose` prints."""
     def page(self) -> str:
-        """The page of `sesc diagnose --report`."""
-    def model_file(self) -> str:
-        """The model file."""
-    def correction(self) -> tuple[bool, list[str]]:
-        """The tolerances that masses of the corrected URDF move within, and what belongs to the
-        log alone, as sentences."""
-    def next(self) -> tuple[str, str | None, Float64, Any] | None:
-        """Postures of the experiment that would tell most: support, experiment, postures, and the
-        rank of each, the most telling first."""
-
-@final
-class PlanReport:
-    """Postures that tell most."""
-    def json(self) -> str:
-        """What `sesc plan --json` prints."""
-    def text(self) -> str:
-        """What `sesc plan` prints."""
-    def page(self, file: str, command: str) -> str:
-        """The page of `sesc plan --report`."""
-    def rows(self) -> tuple[Any, Float64]:
-        """Numbers and joint positions of the rows of its file."""
+        """The page of `sesc fit --report`."""
 
 @final
 class Unusable:
@@ -318,7 +255,7 @@ def diagnose_log(
     healthy: list[Log],
     options: dict[str, Any],
     show: _Show = None,
-) -> DiagnosisReport: ...
+) -> dict[str, Any]: ...
 def draw_postures(robot: Robot, model: Model, q: Float64) -> list[str]: ...
 def draw_robot(robot: Robot, model: Model) -> list[str]: ...
 def effects_about() -> str: ...
@@ -370,7 +307,7 @@ def fleet_work(
 ) -> str: ...
 def plan_postures(
     robot: Robot, model: Model, data: Log | None, options: dict[str, Any], show: _Show = None
-) -> PlanReport: ...
+) -> tuple[tuple[Any, Float64], dict[str, str]]: ...
 def predict_log(
     robot: Robot,
     support: str | None,

@@ -49,12 +49,8 @@ fn convert<'py>(
     name: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
     static POSITIONS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let py = given.py();
-    let positions = POSITIONS.get_or_try_init(py, || {
-        let module = py.import("sesc._arrays")?;
-        module.getattr("positions").map(Bound::unbind)
-    })?;
-    positions.bind(py).call1((given, names.to_vec(), name))
+    let positions = POSITIONS.import(given.py(), "sesc._arrays", "positions")?;
+    positions.call1((given, names.to_vec(), name))
 }
 
 /// Numbers that are given (joint positions, velocities, readings).

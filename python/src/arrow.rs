@@ -1,89 +1,31 @@
-//! Tables of other libraries, by the Arrow C stream interface: no library of Arrow is needed.
+//! Tables of other libraries, by the Arrow C stream interface.
 //!
 //! ```text
-//! __arrow_c_stream__ ─▶ ArrowArrayStream ─▶ batches ─▶ columns: numbers, whole numbers, texts, or what they are instead
+//! __arrow_c_stream__ ─▶ batches ─▶ columns: numbers, whole numbers, texts, or what they are instead
+//! numbers     float, integer, bool, times · unit (s), decimals m / 10^scale
+//! the rest    is said by its name where it is used
 //! ```
 //!
-//! The layouts are those of <https://arrow.apache.org/docs/format/CDataInterface.html> and
-//! <https://arrow.apache.org/docs/format/CStreamInterface.html>. Values are copied; what the
-//! producer owns is released before the call ends.
+//! Values are copied; what the producer owns is released before the call ends.
 
-#![allow(unsafe_code)]
-
-mod values;
-
-use std::ffi::{CStr, c_char, c_int, c_void};
-
+use arrow_array::cast::AsArray;
+use arrow_array::ffi_stream::{ArrayStreamReader, FFI_ArrowArrayStream};
+use arrow_array::types::{
+    ArrowPrimitiveType, Decimal32Type, Decimal64Type, Decimal128Type, Decimal256Type, Float16Type,
+    Float32Type, Float64Type,
+};
+use arrow_array::{Array, ArrayReader as _, ArrayRef, downcast_integer_array, make_array};
+use arrow_schema::ffi::FFI_ArrowSchema;
+use arrow_schema::{ArrowError, DataType, TimeUnit};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
-use self::values::{Kind, integer, is_valid, kind, number, string};
 use crate::calls::{Signals, guarded};
 use crate::errors::{Doing, Failure};
 
 /// Rows of a column that are read between looks for signals: a millisecond's worth.
 const CHUNK: usize = 1 << 16;
-
-#[repr(C)]
-struct Schema {
-    format: *const c_char,
-    name: *const c_char,
-    metadata: *const c_char,
-    flags: i64,
-    n_children: i64,
-    children: *mut *mut Schema,
-    dictionary: *mut Schema,
-    release: Option<unsafe extern "C" fn(*mut Schema)>,
-    private_data: *mut c_void,
-}
-
-#[repr(C)]
-struct Array {
-    length: i64,
-    null_count: i64,
-    offset: i64,
-    n_buffers: i64,
-    n_children: i64,
-    buffers: *mut *const c_void,
-    children: *mut *mut Array,
-    dictionary: *mut Array,
-    release: Option<unsafe extern "C" fn(*mut Array)>,
-    private_data: *mut c_void,
-}
-
-#[repr(C)]
-struct Stream {
-    get_schema: Option<unsafe extern "C" fn(*mut Stream, *mut Schema) -> c_int>,
-    get_next: Option<unsafe extern "C" fn(*mut Stream, *mut Array) -> c_int>,
-    get_last_error: Option<unsafe extern "C" fn(*mut Stream) -> *const c_char>,
-    release: Option<unsafe extern "C" fn(*mut Stream)>,
-    private_data: *mut c_void,
-}
-
-/// A structure that its producer filled, released when it is dropped.
-macro_rules! owned {
-    ($name:ident, $of:ty) => {
-        struct $name(Box<$of>);
-        impl $name {
-            fn empty() -> $name {
-                // SAFETY: all fields are integers, pointers or optional functions, for which
-                // zero is a value: nothing, or released.
-                $name(Box::new(unsafe { std::mem::zeroed() }))
-            }
-        }
-        impl Drop for $name {
-            fn drop(&mut self) {
-                if let Some(release) = self.0.release {
-                    // SAFETY: it was filled by its producer and is released once.
-                    unsafe { release(&mut *self.0) }
-                }
-            }
-        }
-    };
-}
-owned!(OwnedSchema, Schema);
-owned!(OwnedArray, Array);
 
 /// A column that grows batch by batch.
 enum Values {
@@ -109,82 +51,6 @@ impl Unusable {
     }
 }
 
-/// A column of the schema, and what was read of it.
-struct Column {
-    name: String,
-    kind: Kind,
-    /// What the places in a dictionary are.
-    index: Option<Kind>,
-    values: Values,
-}
-
-impl Column {
-    /// # Safety
-    /// `schema` is valid.
-    unsafe fn of(schema: &Schema) -> Column {
-        // SAFETY: names and formats are texts, the dictionary is none or a schema.
-        let (name, format, dictionary) = unsafe {
-            let dictionary = schema.dictionary.as_ref();
-            let dictionary = dictionary.map(|dictionary| text(dictionary.format));
-            (text(schema.name), text(schema.format), dictionary)
-        };
-        let found = match &dictionary {
-            None => kind(&format).map(|kind| (kind, None)),
-            Some(values) => {
-                let both = kind(values).and_then(|kind| Ok((kind, self::kind(&format)?)));
-                both.map(|(kind, index)| (kind, Some(index)))
-            }
-        };
-        let (kind, index, values) = match found {
-            Ok((kind, index)) => (kind, index, Values::new(kind, &name)),
-            Err(what) => (Kind::Nothing, None, Values::Unusable(0, what)),
-        };
-        Column {
-            name,
-            kind,
-            index,
-            values,
-        }
-    }
-}
-
-impl Values {
-    fn new(kind: Kind, name: &str) -> Values {
-        match kind {
-            Kind::Text(_) | Kind::TextView => Values::Texts(Vec::new()),
-            Kind::Int(..) if name == "pose" => Values::Integers(Vec::new()),
-            _ => Values::Numbers(Vec::new()),
-        }
-    }
-
-    fn array(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
-        Ok(match self {
-            Values::Numbers(x) => PyArray1::from_vec(py, x).into_any(),
-            Values::Integers(x) => PyArray1::from_vec(py, x).into_any(),
-            Values::Texts(x) => numpy_texts(py, x)?,
-            Values::Unusable(rows, what) => Bound::new(py, Unusable { rows, what })?.into_any(),
-        })
-    }
-}
-
-/// The error of a table that cannot be read, for threads that may have no interpreter.
-fn refused(message: impl Into<String>) -> PyErr {
-    Python::attach(|py| Failure::plain(Doing::Log, message).raise(py))
-}
-
-/// A stream on its way to where the interpreter's lock is free.
-struct Pointer(*mut Stream);
-
-// SAFETY: the interface asks no thread of its own for a stream, only that calls do not overlap;
-// the pointer is used by the one closure that takes it.
-unsafe impl Send for Pointer {}
-
-impl Pointer {
-    fn get(self) -> *mut Stream {
-        self.0
-    }
-}
-
 /// Columns of an Arrow stream, by name.
 #[pyfunction]
 pub fn arrow_columns<'py>(
@@ -192,131 +58,204 @@ pub fn arrow_columns<'py>(
     capsule: &Bound<'py, PyCapsule>,
 ) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
     let pointer = capsule.pointer_checked(Some(c"arrow_array_stream"))?;
-    let stream: *mut Stream = pointer.as_ptr().cast();
-    let stream = Pointer(stream);
-    // SAFETY: a capsule of this name holds such a stream (the PyCapsule interface of Arrow);
-    // the capsule outlives this call, and its own destructor releases the stream. Functions of a
-    // stream may be called by any thread, one at a time, and take the interpreter's lock by
+    // SAFETY: a capsule of this name holds such a stream (the PyCapsule interface of Arrow). Its
+    // functions may be called by any thread, one at a time, and take the interpreter's lock by
     // themselves where they need it.
-    let columns = guarded(py, || py.detach(move || unsafe { read(stream.get()) }))?;
-    let columns = columns.into_iter();
+    #[allow(unsafe_code)]
+    let stream = unsafe { FFI_ArrowArrayStream::from_raw(pointer.as_ptr().cast()) };
+    let columns = guarded(py, || py.detach(|| read(stream)))?.into_iter();
     columns
-        .map(|column| Ok((column.name, column.values.array(py)?)))
+        .map(|(name, values)| Ok((name, values.array(py)?)))
         .collect()
 }
 
-fn numpy_texts(py: Python<'_>, texts: Vec<String>) -> PyResult<Bound<'_, PyAny>> {
-    py.import("numpy")?.call_method1("array", (texts,))
+/// The error of a table that cannot be read, for threads that may have no interpreter.
+fn refused(message: impl Into<String>) -> PyErr {
+    Python::attach(|py| Failure::plain(Doing::Log, message).raise(py))
 }
 
-/// # Safety
-/// `stream` is valid.
-unsafe fn read(stream: *mut Stream) -> PyResult<Vec<Column>> {
-    let failed = |stream: *mut Stream| {
-        // SAFETY: as above; the text lives until the next call.
-        let said = unsafe {
-            let text = (*stream).get_last_error.map(|last| last(stream));
-            text.filter(|text| !text.is_null())
-                .map(|text| CStr::from_ptr(text).to_string_lossy().into_owned())
-        };
-        refused(said.unwrap_or_else(|| "the Arrow stream failed".to_string()))
+/// The same in the producer's words, where it has any.
+fn failed(error: ArrowError) -> PyErr {
+    let said = error.to_string();
+    let own = said.split_once("Producer error: ");
+    refused(own.map_or(&*said, |(_, own)| own))
+}
+
+fn read(stream: FFI_ArrowArrayStream) -> PyResult<Vec<(String, Values)>> {
+    if stream.release().is_none() {
+        return Err(refused("the Arrow stream was released"));
+    }
+    let reader = ArrayStreamReader::try_new(stream).map_err(failed)?;
+    let DataType::Struct(fields) = reader.field().data_type().clone() else {
+        return Err(refused("the Arrow stream is of an array; give a table"));
     };
-    // SAFETY: the stream is valid, and its functions are called as the interface says.
-    unsafe {
-        // Of a stream that was released its producer clears `release` alone.
-        let (Some(_), Some(get_schema), Some(get_next)) =
-            ((*stream).release, (*stream).get_schema, (*stream).get_next)
-        else {
-            return Err(refused("the Arrow stream was released"));
+    let columns = fields.iter().map(|field| {
+        let values = Values::of(field.data_type(), field.name());
+        (field.name().clone(), values)
+    });
+    let mut columns: Vec<(String, Values)> = columns.collect();
+    let mut signals = Signals::new();
+    for batch in reader {
+        let batch = batch.map_err(failed)?;
+        for ((name, values), array) in columns.iter_mut().zip(batch.as_struct().columns()) {
+            // Values of a dictionary are made once a batch.
+            let chunk = match array.data_type() {
+                DataType::Dictionary(..) => array.len().max(1),
+                _ => CHUNK,
+            };
+            for from in (0..array.len()).step_by(chunk) {
+                let some = array.slice(from, chunk.min(array.len() - from));
+                values.append(&some).map_err(|row| {
+                    let row = from + row + 1;
+                    let message =
+                        format!("column `{name}` has no value in row {row}; give every row one");
+                    refused(message)
+                })?;
+                signals.look()?;
+            }
+        }
+    }
+    Ok(columns)
+}
+
+impl Values {
+    /// None yet, of a column of this type and name.
+    fn of(column: &DataType, name: &str) -> Values {
+        let entry = match column {
+            DataType::Dictionary(_, entry) => entry,
+            own => own,
         };
-        let mut schema = OwnedSchema::empty();
-        if get_schema(stream, &mut *schema.0) != 0 {
-            return Err(failed(stream));
+        match entry {
+            DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => Values::Texts(Vec::new()),
+            own if own.is_integer() && name == "pose" => Values::Integers(Vec::new()),
+            own => match unusable(own) {
+                None => Values::Numbers(Vec::new()),
+                Some(what) => Values::Unusable(0, what),
+            },
         }
-        if CStr::from_ptr(schema.0.format).to_bytes() != b"+s" {
-            return Err(refused("the Arrow stream is of an array; give a table"));
-        }
-        let children = (0..schema.0.n_children as usize).map(|k| &**schema.0.children.add(k));
-        let mut columns: Vec<Column> = children.map(|child| Column::of(child)).collect();
-        let mut signals = Signals::new();
-        loop {
-            let mut batch = OwnedArray::empty();
-            if get_next(stream, &mut *batch.0) != 0 {
-                return Err(failed(stream));
-            }
-            if batch.0.release.is_none() {
-                break;
-            }
-            if batch.0.n_children as usize != columns.len() {
-                return Err(refused(
-                    "a batch of the Arrow stream has other columns than its schema",
-                ));
-            }
-            for (k, column) in columns.iter_mut().enumerate() {
-                let child = &**batch.0.children.add(k);
-                let rows = batch.0.offset as usize..(batch.0.offset + batch.0.length) as usize;
-                for from in rows.clone().step_by(CHUNK) {
-                    let some = from..rows.end.min(from + CHUNK);
-                    append(child, some, column)?;
-                    signals.look()?;
+    }
+
+    /// Append rows of the column; the error is a row without a value where each needs one.
+    fn append(&mut self, rows: &ArrayRef) -> Result<(), usize> {
+        match self {
+            Values::Numbers(all) => all.extend(numbers(rows)),
+            Values::Texts(all) => all.extend(texts(rows)),
+            Values::Unusable(count, _) => *count += rows.len(),
+            Values::Integers(all) => {
+                for (row, value) in integers(rows).into_iter().enumerate() {
+                    all.push(value.ok_or(row)?);
                 }
             }
         }
-        Ok(columns)
+        Ok(())
+    }
+
+    fn array(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+        Ok(match self {
+            Values::Numbers(x) => PyArray1::from_vec(py, x).into_any(),
+            Values::Integers(x) => PyArray1::from_vec(py, x).into_any(),
+            Values::Texts(x) => py.import("numpy")?.call_method1("array", (x,))?,
+            Values::Unusable(rows, what) => Bound::new(py, Unusable { rows, what })?.into_any(),
+        })
     }
 }
 
-/// # Safety
-/// `pointer` is null or a text that ends with zero.
-unsafe fn text(pointer: *const c_char) -> String {
-    match pointer.is_null() {
-        true => String::new(),
-        // SAFETY: as said.
-        false => unsafe { CStr::from_ptr(pointer) }
-            .to_string_lossy()
-            .into_owned(),
+/// What a type holds that is neither numbers nor texts.
+fn unusable(of: &DataType) -> Option<String> {
+    use DataType as Type;
+    let what = match of {
+        Type::Date32 | Type::Date64 => "dates",
+        Type::Time32(_) | Type::Time64(_) => "times of day",
+        Type::Interval(_) => "intervals of a calendar",
+        Type::Binary | Type::LargeBinary | Type::BinaryView | Type::FixedSizeBinary(_) => "bytes",
+        Type::List(_) | Type::LargeList(_) | Type::FixedSizeList(..) => "lists",
+        Type::ListView(_) | Type::LargeListView(_) => "lists",
+        Type::Struct(_) => "structures",
+        Type::Map(..) => "maps",
+        Type::RunEndEncoded(..) => "runs of values",
+        Type::Union(..) => "values of several types",
+        Type::Dictionary(..) => "values",
+        _ => return None,
+    };
+    let format = FFI_ArrowSchema::try_from(of).ok();
+    let format = format.map_or_else(String::new, |own| own.format().to_string());
+    Some(format!("{what} (Arrow format {format})"))
+}
+
+/// Values of a dictionary row by row, each found by `of`; `none` where there is none.
+fn entries<T: Clone>(rows: &ArrayRef, of: impl Fn(&ArrayRef) -> Vec<T>, none: T) -> Vec<T> {
+    let dictionary = rows.as_any_dictionary();
+    let values = of(dictionary.values());
+    let keys = integers(&make_array(dictionary.keys().to_data())).into_iter();
+    let value = |key: Option<i64>| values.get(usize::try_from(key?).ok()?).cloned();
+    keys.map(|key| value(key).unwrap_or_else(|| none.clone()))
+        .collect()
+}
+
+/// Whole numbers.
+fn integers(rows: &ArrayRef) -> Vec<Option<i64>> {
+    downcast_integer_array!(
+        rows => rows.iter().map(|x| x.map(|x| (x as i128).min(i64::MAX.into()) as i64)).collect(),
+        DataType::Dictionary(..) => entries(rows, integers, None),
+        _ => vec![None; rows.len()],
+    )
+}
+
+/// Texts, empty where there is none.
+fn texts(rows: &ArrayRef) -> Vec<String> {
+    // Producers do not always check their bytes.
+    let owned = |text: Option<&str>| {
+        let bytes = text.unwrap_or_default().as_bytes();
+        String::from_utf8_lossy(bytes).into_owned()
+    };
+    match rows.data_type() {
+        DataType::Utf8 => rows.as_string::<i32>().iter().map(owned).collect(),
+        DataType::LargeUtf8 => rows.as_string::<i64>().iter().map(owned).collect(),
+        DataType::Utf8View => rows.as_string_view().iter().map(owned).collect(),
+        _ => entries(rows, texts, String::new()),
     }
 }
 
-/// # Safety
-/// `array` is valid and of the column's kind.
-unsafe fn append(array: &Array, rows: std::ops::Range<usize>, column: &mut Column) -> PyResult<()> {
-    let kind = column.kind;
-    if let Values::Unusable(count, _) = &mut column.values {
-        *count += rows.len();
-        return Ok(());
-    }
-    for row in rows {
-        // SAFETY: rows of the batch are rows of its columns.
-        let place = unsafe {
-            match column.index {
-                _ if !is_valid(array, row) => None,
-                None => Some((array, row)),
-                Some(index) => {
-                    let entry = number(array, index, row) as usize;
-                    let dictionary = &*array.dictionary;
-                    is_valid(dictionary, entry).then_some((dictionary, entry))
-                }
-            }
-        };
-        // SAFETY: likewise.
-        unsafe {
-            match (&mut column.values, place) {
-                (Values::Numbers(all), Some((of, row))) => all.push(number(of, kind, row)),
-                (Values::Numbers(all), None) => all.push(f64::NAN),
-                (Values::Integers(all), Some((of, row))) => all.push(integer(of, kind, row)),
-                (Values::Integers(_), None) => {
-                    return Err(refused(format!(
-                        "column `{}` has no value in row {}; give every row one",
-                        column.name,
-                        row + 1
-                    )));
-                }
-                (Values::Texts(all), Some((of, row))) => all.push(string(of, kind, row)),
-                (Values::Texts(all), None) => all.push(String::new()),
-                (Values::Unusable(..), _) => {}
-            }
+/// Numbers, NaN where there is none; times in seconds.
+fn numbers(rows: &ArrayRef) -> Vec<f64> {
+    let scaled = |whole: f64, scale: &i8| whole / 10f64.powi((*scale).into());
+    downcast_integer_array!(
+        rows => rows.iter().map(|x| x.map_or(f64::NAN, |x| x as f64)).collect(),
+        DataType::Boolean => {
+            let values = rows.as_boolean().iter();
+            values.map(|x| x.map_or(f64::NAN, |x| f64::from(u8::from(x)))).collect()
         }
-    }
-    Ok(())
+        DataType::Float16 => of::<Float16Type>(rows, f64::from),
+        DataType::Float32 => of::<Float32Type>(rows, f64::from),
+        DataType::Float64 => of::<Float64Type>(rows, |x| x),
+        DataType::Decimal32(_, scale) => of::<Decimal32Type>(rows, |x| scaled(x.into(), scale)),
+        DataType::Decimal64(_, scale) => of::<Decimal64Type>(rows, |x| scaled(x as f64, scale)),
+        DataType::Decimal128(_, scale) => of::<Decimal128Type>(rows, |x| scaled(x as f64, scale)),
+        DataType::Decimal256(_, scale) => of::<Decimal256Type>(rows, |x| {
+            let (low, high) = x.to_parts();
+            let whole = match low as i128 {
+                own if high == own >> 127 => own as f64,
+                _ => high as f64 * 2f64.powi(128) + low as f64,
+            };
+            scaled(whole, scale)
+        }),
+        DataType::Timestamp(unit, _) | DataType::Duration(unit) => {
+            let seconds = match unit {
+                TimeUnit::Second => 1.0,
+                TimeUnit::Millisecond => 1e-3,
+                TimeUnit::Microsecond => 1e-6,
+                TimeUnit::Nanosecond => 1e-9,
+            };
+            let whole = rows.to_data().into_builder().data_type(DataType::Int64).build();
+            let whole = whole.map_or_else(|_| Vec::new(), |whole| numbers(&make_array(whole)));
+            whole.into_iter().map(|x| x * seconds).collect()
+        }
+        DataType::Dictionary(..) => entries(rows, numbers, f64::NAN),
+        _ => vec![f64::NAN; rows.len()],
+    )
+}
+
+fn of<T: ArrowPrimitiveType>(rows: &ArrayRef, number: impl Fn(T::Native) -> f64) -> Vec<f64> {
+    let values = rows.as_primitive::<T>().iter();
+    values.map(|x| x.map_or(f64::NAN, &number)).collect()
 }

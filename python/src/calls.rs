@@ -52,12 +52,7 @@ pub fn detached<T: Send>(
     py: Python<'_>,
     call: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> PyResult<T> {
-    let result = py.detach(|| catch_unwind(AssertUnwindSafe(call)));
-    match result {
-        Ok(Ok(value)) => Ok(value),
-        Ok(Err(failure)) => Err(failure.raise(py)),
-        Err(panic) => Err(internal(panic).raise(py)),
-    }
+    guarded(py, || py.detach(call).map_err(|failure| failure.raise(py)))
 }
 
 /// When a call that works in the thread of its caller last looked for signals.
@@ -119,25 +114,20 @@ pub enum Stopped {
     Awaited,
 }
 
-/// Run a long call in a thread of its own and look for signals meanwhile; gives its result and
-/// the warnings. `show` is told what is done, how much, and of how much; an exception of it
-/// stops the call, as Ctrl-C does.
+/// Run a long call in a thread of its own and look for signals meanwhile. `show` is told what is
+/// done, how much, and of how much; an exception of it stops the call, as Ctrl-C does.
 pub fn watched<T: Send + 'static>(
     py: Python<'_>,
     show: Option<Py<PyAny>>,
     stopped: Stopped,
     call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
-) -> PyResult<(T, Vec<String>)> {
-    let look = |shared: &Shared| {
-        py.check_signals()?;
-        let progress = shared.progress.lock().ok().and_then(|mut last| last.take());
-        match (&show, progress) {
-            (Some(show), Some(progress)) => {
-                let told = (progress.what, progress.done, progress.total);
-                show.call1(py, told).map(drop)
-            }
-            _ => Ok(()),
+) -> PyResult<T> {
+    let look = |progress: Option<Progress>| match (&show, progress) {
+        (Some(show), Some(progress)) => {
+            let told = (progress.what, progress.done, progress.total);
+            show.call1(py, told).map(drop)
         }
+        _ => Ok(()),
     };
     run_in_thread(py, look, stopped, call)
 }
@@ -149,27 +139,23 @@ pub fn checked<T: Send + 'static>(
     check: Option<Py<PyAny>>,
     call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
 ) -> PyResult<T> {
-    let look = |_: &Shared| {
-        py.check_signals()?;
-        check
-            .as_ref()
-            .map_or(Ok(()), |check| check.call0(py).map(drop))
+    let look = |_| match &check {
+        Some(check) => check.call0(py).map(drop),
+        None => Ok(()),
     };
-    Ok(run_in_thread(py, look, Stopped::Abandoned, call)?.0)
+    run_in_thread(py, look, Stopped::Abandoned, call)
 }
 
-/// Run a call in a thread of its own; an exception of `look`, which is called every [`EVERY`],
-/// stops it.
+/// Run a call in a thread of its own; a signal stops it, and so does an exception of `look`, which
+/// is told how far it is every [`EVERY`].
 fn run_in_thread<T: Send + 'static>(
     py: Python<'_>,
-    look: impl Fn(&Shared) -> PyResult<()>,
+    look: impl Fn(Option<Progress>) -> PyResult<()>,
     stopped: Stopped,
     call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
-) -> PyResult<(T, Vec<String>)> {
+) -> PyResult<T> {
     let shared = Arc::new(Shared::default());
-    let (send, receive) = mpsc::channel();
-    // A receiver is of one thread; a lock lets another wait with it.
-    let receive = Mutex::new(receive);
+    let (send, mut receive) = mpsc::channel();
     let mut waiting = Waiting {
         shared: Arc::clone(&shared),
         warnings: Vec::new(),
@@ -178,16 +164,14 @@ fn run_in_thread<T: Send + 'static>(
         let result = catch_unwind(AssertUnwindSafe(|| call(&mut waiting)));
         let result = result.unwrap_or_else(|panic| Err(internal(panic)));
         // Nobody waits for a call that was abandoned.
-        let _ = send.send(result.map(|value| (value, waiting.warnings)));
+        let _ = send.send(result);
     };
-    let thread = std::thread::Builder::new().spawn(work);
-    let thread = thread.map_err(PyErr::from)?;
+    let thread = std::thread::Builder::new().spawn(work)?;
     loop {
-        let result = py.detach(|| {
-            let receive = receive.lock();
-            receive.map_or(Err(RecvTimeoutError::Disconnected), |r| {
-                r.recv_timeout(EVERY)
-            })
+        let result;
+        (receive, result) = py.detach(move || {
+            let result = receive.recv_timeout(EVERY);
+            (receive, result)
         });
         let looked = match result {
             Ok(result) => {
@@ -198,7 +182,10 @@ fn run_in_thread<T: Send + 'static>(
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(Failure::internal("a thread ended early").raise(py));
             }
-            Err(RecvTimeoutError::Timeout) => look(&shared),
+            Err(RecvTimeoutError::Timeout) => py.check_signals().and_then(|()| {
+                let progress = shared.progress.lock().ok().and_then(|mut last| last.take());
+                look(progress)
+            }),
         };
         if let Err(error) = looked {
             shared.stop.store(true, Ordering::Relaxed);

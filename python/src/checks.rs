@@ -7,7 +7,6 @@ use sesc::report::compare::{page, text};
 use sesc::report::next_steps::{self, WithSteps};
 use sesc::verify;
 use sesc_identify::compare;
-use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
 use sesc_model::effects::about::about;
@@ -30,7 +29,7 @@ pub fn verify_model(
     show: Option<Py<PyAny>>,
 ) -> PyResult<(String, Vec<(String, &'static str)>)> {
     let (robot, model) = (robot.inner.clone(), model.inner.clone());
-    let (found, _) = watched(py, show, Stopped::Abandoned, move |watch| {
+    watched(py, show, Stopped::Abandoned, move |watch| {
         let samples = samples.unwrap_or_else(|| verify::samples(model.dof()));
         let found =
             verify::verify(&robot, &model, samples, seed, watch).during(Doing::ModelFile)?;
@@ -41,8 +40,7 @@ pub fn verify_model(
             next_steps: &steps::worded([&step], steps::text),
         })?;
         Ok((printed, found.units.into_iter().collect()))
-    })?;
-    Ok(found)
+    })
 }
 
 /// A model file by its text or its path, and what messages and next steps call it.
@@ -78,14 +76,7 @@ pub fn compare_models(
         };
         let (first, second) = (read(&before)?, read(&after)?);
         let found = compare::compare(&first, &second).during(Doing::ModelFile)?;
-        let drawn = robot.map(|robot| {
-            let model = robot
-                .inner
-                .model(&found.support, robot.snapping, None)
-                .during(Doing::Robot)?;
-            let (description, folder) = (&robot.inner.description, robot.folder.as_deref());
-            Ok(Skeleton::of(&model, description, folder))
-        });
+        let drawn = robot.map(|robot| Ok(robot.skeleton(&robot.on(&found.support)?)));
         let drawn = drawn.transpose()?;
         let (names, support) = ([&*before.2, &*after.2], Some(found.support.clone()));
         let steps = next_steps::of_comparison(&found, names, support, false);

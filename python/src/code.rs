@@ -11,7 +11,7 @@ use sesc_identify::files;
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, During, Failure};
 use crate::model::Model;
-use crate::options::taken;
+use crate::options::{named, taken};
 
 /// Keywords of C code, all of them given.
 #[derive(FromPyObject)]
@@ -35,32 +35,33 @@ pub fn c_files(
     folder: PathBuf,
     options: &Bound<'_, PyAny>,
 ) -> PyResult<Vec<PathBuf>> {
-    let options: COptions = taken(options, Doing::Code)?;
+    let options: COptions = taken(options, Doing::Sesc)?;
     let model = model.inner.clone();
-    let (sources, _) = watched(py, None, Stopped::Abandoned, move |_| {
-        let scalar = match options.scalar.as_deref() {
-            None => None,
-            Some("f64") => Some(Scalar::F64),
-            Some("f32") => Some(Scalar::F32),
-            Some("fixed32") => Some(Scalar::Fixed32),
-            Some(other) => return Err(unknown("scalar", other, "f64, f32, fixed32")),
-        };
-        let layout = match options.layout.as_str() {
-            "bare" => Layout::Bare,
-            "cmake" => Layout::Cmake,
-            "platformio" => Layout::PlatformIo,
-            "arduino" => Layout::Arduino,
-            other => return Err(unknown("layout", other, "bare, cmake, platformio, arduino")),
-        };
+    let sources = watched(py, None, Stopped::Abandoned, move |_| {
+        let scalars = [
+            ("f64", Scalar::F64),
+            ("f32", Scalar::F32),
+            ("fixed32", Scalar::Fixed32),
+        ];
+        let layouts = [
+            ("bare", Layout::Bare),
+            ("cmake", Layout::Cmake),
+            ("platformio", Layout::PlatformIo),
+            ("arduino", Layout::Arduino),
+        ];
+        let scalar = options.scalar.as_deref();
+        let scalar = scalar.map(|given| named("scalar", given, scalars, Doing::Sesc));
+        let scalar = scalar.transpose()?;
+        let layout = named("layout", &options.layout, layouts, Doing::Sesc)?;
         let servos = match (&options.servos, options.ticks) {
             (Some(_), Some(false)) => {
                 let message =
                     "`servos` says what a tick is, `ticks=False` leaves ticks out; give one";
-                return Err(Failure::plain(Doing::Code, message));
+                return Err(Failure::plain(Doing::Sesc, message));
             }
             (Some(file), _) => {
                 let servos = Servos::read(file);
-                Some(Some(servos.during(Doing::Code)?))
+                Some(Some(servos.during(Doing::Sesc)?))
             }
             (None, ticks) => ticks.map(|wanted| wanted.then(Servos::default)),
         };
@@ -76,7 +77,7 @@ pub fn c_files(
             let facts = Facts::with(&model, &functions);
             sources::c99(&facts, options.name.as_deref(), &wanted)
         });
-        written.during(Doing::Code)
+        written.during(Doing::Sesc)
     })?;
     detached(py, || write(&folder, sources))
 }
@@ -91,40 +92,30 @@ pub fn rust_files(
     functions: Option<Vec<String>>,
 ) -> PyResult<Vec<PathBuf>> {
     let model = model.inner.clone();
-    let (sources, _) = watched(py, None, Stopped::Abandoned, move |_| {
+    let sources = watched(py, None, Stopped::Abandoned, move |_| {
         let functions = sources::functions(functions.as_deref());
         functions
             .and_then(|functions| sources::rust(&Facts::with(&model, &functions), name.as_deref()))
-            .during(Doing::Code)
+            .during(Doing::Sesc)
     })?;
     detached(py, || write(&folder, sources))
 }
 
-fn unknown(keyword: &str, given: &str, known: &str) -> Failure {
-    Failure::plain(
-        Doing::Code,
-        format!("`{keyword}` {given}: known are {known}"),
-    )
-}
-
 fn write(folder: &Path, sources: Sources) -> Result<Vec<PathBuf>, Failure> {
-    let all: Vec<_> = sources
-        .files
-        .into_iter()
-        .map(|(file, text)| (folder.join(file), text))
-        .collect();
-    files::write_all_if_changed(&all).during(Doing::Code)?;
+    let all = sources.files.into_iter();
+    let all: Vec<_> = all.map(|(file, text)| (folder.join(file), text)).collect();
+    files::write_all_if_changed(&all).during(Doing::Sesc)?;
     Ok(all.into_iter().map(|(file, _)| file).collect())
 }
 
 /// Write a text, whole or not at all.
 #[pyfunction]
 pub fn write_text(py: Python<'_>, path: PathBuf, text: &str) -> PyResult<()> {
-    detached(py, || files::write(&path, text).during(Doing::Code))
+    detached(py, || files::write(&path, text).during(Doing::Sesc))
 }
 
 /// Write a part's bytes, whole or not at all.
 #[pyfunction]
 pub fn write_bytes(py: Python<'_>, path: PathBuf, data: &[u8]) -> PyResult<()> {
-    detached(py, || files::write(&path, data).during(Doing::Code))
+    detached(py, || files::write(&path, data).during(Doing::Sesc))
 }

@@ -11,7 +11,7 @@ use sesc_identify::fit::prior::PriorChoice;
 use sesc_model::ModelFile;
 use sesc_model::effects::Catalog;
 
-use crate::calls::{Stopped, detached, watched};
+use crate::calls::{Stopped, watched};
 use crate::errors::{Doing, During, Failure};
 use crate::log::Log;
 use crate::model::json;
@@ -33,11 +33,27 @@ pub struct DiagnoseOptions {
     servos: Option<PathBuf>,
 }
 
-/// What a diagnosis found, with what is needed to make files of it.
-#[pyclass(frozen, module = "sesc._sesc")]
-pub struct DiagnosisReport {
-    report: diagnose::Report,
+/// Support, experiment, postures, and the rank of each, the most telling first.
+type Next = (String, &'static str, Py<PyArray2<f64>>, Py<PyArray1<i64>>);
+
+/// What a diagnosis found, and all that files are made of.
+#[derive(IntoPyObject)]
+pub struct Diagnosed {
+    /// What `sesc diagnose --json` prints.
+    json: String,
+    /// What `sesc diagnose` prints.
+    text: String,
+    /// The page of `sesc diagnose --report`.
+    page: String,
+    model_file: String,
+    /// Whether masses of the corrected URDF are free, and what belongs to the log alone, as sentences.
+    correction: (bool, Vec<String>),
+    /// Postures of the experiment that would tell most.
+    next: Option<Next>,
+    /// Warnings about logs, as sentences.
     warnings: Vec<String>,
+    /// What is to be known of the robot, as sentences.
+    notes: Vec<String>,
 }
 
 /// Find where simulation and measurement disagree, and name what is missing.
@@ -51,7 +67,7 @@ pub fn diagnose_log(
     healthy: Vec<PyRef<'_, Log>>,
     options: &Bound<'_, PyAny>,
     show: Option<Py<PyAny>>,
-) -> PyResult<DiagnosisReport> {
+) -> PyResult<Diagnosed> {
     let options: DiagnoseOptions = taken(options, Doing::Fit)?;
     let mut request = Request::new(robot.inner.clone(), &log.source);
     request.then = then.iter().map(|log| log.source.clone()).collect();
@@ -66,105 +82,48 @@ pub fn diagnose_log(
     request.stays = stays(options.settle).map_err(|failure| failure.raise(py))?;
     request.meshes.clone_from(&robot.folder);
     request.view = true;
-    let (report, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
+    let (mut found, next) = watched(py, show, Stopped::Abandoned, move |watch| {
         if let Some(file) = &options.servos {
             let servos = sesc::servos::read(file, &request.robot);
-            request.servos = servos.during(Doing::Code)?;
+            request.servos = servos.during(Doing::Sesc)?;
         }
-        diagnose::diagnose(&request, watch).during(Doing::Fit)
-    })?;
-    Ok(DiagnosisReport { report, warnings })
-}
-
-impl DiagnosisReport {
-    /// Call `show` with the report, its next steps being those that `keep` keeps.
-    fn shown<T>(
-        &self,
-        keep: impl Fn(&&NextStep) -> bool,
-        show: impl FnOnce(&DiagnoseReport<'_>) -> T,
-    ) -> T {
-        let all = self.report.diagnosis.next_steps();
-        show(&DiagnoseReport {
-            found: &self.report.diagnosis,
-            next_steps: &steps::worded(all.iter().filter(keep), steps::text),
+        let report = diagnose::diagnose(&request, watch).during(Doing::Fit)?;
+        let next_steps = report.diagnosis.next_steps();
+        let on_page = next_steps.iter();
+        let on_page = on_page.filter(|step| **step != NextStep::LookAtPage);
+        let on_page = steps::worded(on_page, steps::text);
+        let all = steps::worded(&next_steps, steps::text);
+        let shown = |next_steps| DiagnoseReport {
+            found: &report.diagnosis,
+            next_steps,
             model_use: None,
-        })
-    }
-}
-
-#[pymethods]
-impl DiagnosisReport {
-    /// What `sesc diagnose --json` prints.
-    fn json(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || self.shown(|_| true, |report| json(report)))
-    }
-
-    /// What `sesc diagnose` prints.
-    fn text(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || Ok(self.shown(|_| true, |report| text(report, true))))
-    }
-
-    /// The page of `sesc diagnose --report`.
-    fn page(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || match &self.report.view {
-            Some(view) => self
-                .shown(
-                    |step| !matches!(step, NextStep::LookAtPage),
-                    |report| page(report, view, &self.report.model_file, ""),
-                )
-                .map_err(Failure::internal),
-            None => Ok(String::new()),
-        })
-    }
-
-    /// Warnings about logs, as sentences.
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.warnings.clone()
-    }
-
-    /// What is to be known of the robot, as sentences.
-    #[getter]
-    fn notes(&self) -> Vec<String> {
-        self.report.notes.clone()
-    }
-
-    /// The model file.
-    fn model_file(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || self.report.model_file.to_toml().during(Doing::Fit))
-    }
-
-    /// The tolerances that masses of the corrected URDF move within, and what belongs to the
-    /// log alone, as sentences.
-    fn correction(&self) -> (bool, Vec<String>) {
-        let about = &self.report;
-        (about.frees_masses, about.of_the_log.clone())
-    }
-
-    /// Postures of the experiment that would tell most: support, experiment, postures, and the
-    /// rank of each, the most telling first.
-    #[allow(clippy::type_complexity)]
-    fn next<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<
-        Option<(
-            String,
-            Option<&'static str>,
-            Bound<'py, PyArray2<f64>>,
-            Bound<'py, PyArray1<i64>>,
-        )>,
-    > {
-        let Some(next) = &self.report.next else {
-            return Ok(None);
         };
+        let view = report.view.as_ref();
+        let page = view.map(|view| page(&shown(&on_page), view, &report.model_file, ""));
+        let found = Diagnosed {
+            json: json(&shown(&all))?,
+            text: text(&shown(&all), true),
+            page: page
+                .transpose()
+                .map_err(Failure::internal)?
+                .unwrap_or_default(),
+            model_file: report.model_file.to_toml().during(Doing::Fit)?,
+            correction: (report.frees_masses, report.of_the_log),
+            next: None,
+            warnings: std::mem::take(&mut watch.warnings),
+            notes: report.notes,
+        };
+        Ok((found, report.next))
+    })?;
+    if let Some(next) = next {
         let dof = next.dofs.len();
-        let q = PyArray1::from_slice(py, &next.q).reshape([next.q.len() / dof.max(1), dof])?;
+        let shape = [next.q.len() / dof.max(1), dof];
+        let q = PyArray1::from_vec(py, next.q).reshape(shape)?.unbind();
         let ranks = next.ranks.iter().map(|rank| *rank as i64);
-        let experiment = Some(next.experiment.name());
-        let ranks = PyArray1::from_iter(py, ranks);
-        Ok(Some((next.support.clone(), experiment, q, ranks)))
+        let ranks = PyArray1::from_iter(py, ranks).unbind();
+        found.next = Some((next.support, next.experiment.name(), q, ranks));
     }
+    Ok(found)
 }
 
 /// The URDF of `robot` with the parameters and effects of a model file, and what it leaves out.
@@ -178,7 +137,7 @@ pub fn correct_urdf(
     total_mass: Option<f64>,
 ) -> PyResult<(String, Vec<String>)> {
     let (robot, snapping) = (robot.inner.clone(), robot.snapping);
-    let corrected = watched(py, None, Stopped::Abandoned, move |_| {
+    watched(py, None, Stopped::Abandoned, move |_| {
         weighed(total_mass, &robot)?;
         let file = ModelFile::parse(&model_file, "model").during(Doing::ModelFile)?;
         let model = robot
@@ -198,6 +157,5 @@ pub fn correct_urdf(
         )
         .during(Doing::Fit)?;
         Ok((corrected.text, corrected.left_out))
-    });
-    Ok(corrected?.0)
+    })
 }

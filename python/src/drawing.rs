@@ -3,7 +3,6 @@
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use sesc::report::figures::robot::{Marks, Pictured, sheet};
-use sesc_identify::skeleton::Skeleton;
 
 use crate::calls::detached;
 use crate::model::Model;
@@ -18,10 +17,8 @@ pub fn draw_robot(
 ) -> PyResult<Vec<String>> {
     let (robot, model) = (&*robot, &*model);
     detached(py, || {
-        let folder = robot.folder.as_deref();
-        let skeleton = Skeleton::of(&model.inner, &robot.inner.description, folder);
         let pictured = Pictured {
-            skeleton: &skeleton,
+            skeleton: &robot.skeleton(&model.inner),
             postures: vec![&[]],
             shown: 0,
             cop: Vec::new(),
@@ -43,9 +40,7 @@ pub fn draw_postures(
     let dof = q.shape()[1];
     let q: Vec<f64> = q.as_array().iter().copied().collect();
     detached(py, || {
-        let folder = robot.folder.as_deref();
-        let skeleton = Skeleton::of(&model.inner, &robot.inner.description, folder);
         let postures: Vec<&[f64]> = q.chunks_exact(dof.max(1)).collect();
-        Ok(sheet(&skeleton, &postures))
+        Ok(sheet(&robot.skeleton(&model.inner), &postures))
     })
 }

@@ -11,36 +11,26 @@ use pyo3::sync::PyOnceLock;
 use sesc_identify::{Error, ErrorKind, Setting};
 use sesc_model::{Error as ModelError, ErrorKind as ModelErrorKind, urdf};
 
-/// What was being done: it names the class of errors that say nothing of their own.
+/// What was being done: it names the class of errors that say nothing of their own, `Log` that of
+/// a `LogError`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Doing {
-    Robot,
+    Urdf,
+    Support,
     Log,
+    Prior,
     ModelFile,
     Fit,
     Plan,
     Part,
-    Code,
+    /// Everything else.
+    Sesc,
     /// An argument cannot be.
     Argument,
     /// An argument is of another type.
     ArgumentType,
-}
-
-impl Doing {
-    fn class(self) -> &'static str {
-        match self {
-            Doing::Robot => "UrdfError",
-            Doing::Log => "LogError",
-            Doing::ModelFile => "ModelFileError",
-            Doing::Fit => "FitError",
-            Doing::Plan => "PlanError",
-            Doing::Part => "PartError",
-            Doing::Code => "SescError",
-            Doing::Argument => "ArgumentError",
-            Doing::ArgumentType => "ArgumentTypeError",
-        }
-    }
+    /// A defect of the package.
+    Internal,
 }
 
 /// Results of the libraries whose errors become exceptions.
@@ -61,7 +51,7 @@ pub struct Failure(Box<About>);
 
 #[derive(Debug)]
 struct About {
-    class: &'static str,
+    class: Doing,
     message: String,
     file: Option<String>,
     line: Option<u64>,
@@ -77,8 +67,8 @@ impl Failure {
         match error.into() {
             sesc::Error::Identify(error) => Failure::of_library(&error, doing),
             sesc::Error::Model(error) => Failure::of_library(&error.into(), doing),
-            sesc::Error::Codegen(error) => Failure::caused(Doing::Code, &error),
-            sesc::Error::Reference(error) => Failure::caused(Doing::Robot, &error),
+            sesc::Error::Codegen(error) => Failure::caused(Doing::Sesc, &error),
+            sesc::Error::Reference(error) => Failure::caused(Doing::Urdf, &error),
             other => Failure::plain(doing, other.to_string()),
         }
     }
@@ -91,12 +81,12 @@ impl Failure {
     fn of_library(error: &Error, doing: Doing) -> Failure {
         let class = match (error.kind(), error.model()) {
             (_, Some(model)) => class_of_model(model, doing),
-            (ErrorKind::Log, _) if doing != Doing::Part => "LogError",
-            (ErrorKind::Prior, _) => "PriorError",
-            (ErrorKind::Read | ErrorKind::Unsupported, _) if doing == Doing::Fit => "LogError",
-            (ErrorKind::Write, _) => "SescError",
-            (ErrorKind::Serialise, _) => "InternalError",
-            _ => doing.class(),
+            (ErrorKind::Log, _) if doing != Doing::Part => Doing::Log,
+            (ErrorKind::Prior, _) => Doing::Prior,
+            (ErrorKind::Read | ErrorKind::Unsupported, _) if doing == Doing::Fit => Doing::Log,
+            (ErrorKind::Write, _) => Doing::Sesc,
+            (ErrorKind::Serialise, _) => Doing::Internal,
+            _ => doing,
         };
         Failure(Box::new(About {
             class,
@@ -111,9 +101,7 @@ impl Failure {
 
     /// A defect of the package.
     pub fn internal(message: impl std::fmt::Display) -> Failure {
-        let mut failure = Failure::plain(Doing::Code, message.to_string());
-        failure.0.class = "InternalError";
-        failure
+        Failure::plain(Doing::Internal, message.to_string())
     }
 
     /// `path` cannot be read.
@@ -128,7 +116,7 @@ impl Failure {
     /// A sentence without a place.
     pub fn plain(doing: Doing, message: impl Into<String>) -> Failure {
         Failure(Box::new(About {
-            class: doing.class(),
+            class: doing,
             message: message.into(),
             file: None,
             line: None,
@@ -141,28 +129,23 @@ impl Failure {
     /// The exception.
     pub fn raise(self, py: Python<'_>) -> PyErr {
         static MAKE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-        let make = MAKE.get_or_try_init(py, || {
-            let module = py.import("sesc._errors")?;
-            module.getattr("make").map(Bound::unbind)
-        });
+        let make = MAKE.import(py, "sesc._errors", "make");
         let made = make.and_then(|make| {
             let of = *self.0;
+            let class = format!("{:?}Error", of.class);
             let place = (of.file, of.line, of.column);
-            make.call1(py, (of.class, of.message, place, of.system, of.complaints))
+            make.call1((class, of.message, place, of.system, of.complaints))
         });
-        match made {
-            Ok(exception) => PyErr::from_value(exception.into_bound(py)),
-            Err(error) => error,
-        }
+        made.map_or_else(|error| error, PyErr::from_value)
     }
 }
 
-fn class_of_model(error: &ModelError, doing: Doing) -> &'static str {
+fn class_of_model(error: &ModelError, doing: Doing) -> Doing {
     match error.kind() {
-        ModelErrorKind::Urdf | ModelErrorKind::NoMass => "UrdfError",
-        ModelErrorKind::UnknownSupport | ModelErrorKind::MassBeyondFreeJoint => "SupportError",
-        ModelErrorKind::ModelFile => "ModelFileError",
-        _ => doing.class(),
+        ModelErrorKind::Urdf | ModelErrorKind::NoMass => Doing::Urdf,
+        ModelErrorKind::UnknownSupport | ModelErrorKind::MassBeyondFreeJoint => Doing::Support,
+        ModelErrorKind::ModelFile => Doing::ModelFile,
+        _ => doing,
     }
 }
 

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use sesc::report::fit::{FitReport as Printed, Shown, Unusable, corrections, page, text};
-use sesc::report::next_steps::Worded;
+use sesc::report::fit::{FitReport as Printed, Shown, page, text};
 use sesc_identify::fit::corrected::correct;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::fit::{self, Masses, Request};
@@ -27,14 +26,21 @@ pub struct FitReport {
     warnings: Vec<String>,
 }
 
-impl FitReport {
-    fn report(&self) -> &fit::Report {
-        &self.inner.1
-    }
-
-    fn next_steps(&self) -> Vec<Worded> {
-        steps::worded(&self.report().identification.next_steps(), steps::text)
-    }
+/// What a fit found, and all that files are made of but what takes long.
+#[derive(IntoPyObject)]
+pub struct Fitted<'py> {
+    /// What `sesc fit --json` prints.
+    json: String,
+    /// What `sesc fit` prints.
+    text: String,
+    params: Bound<'py, PyArray1<f64>>,
+    /// Row by row.
+    covariance: Bound<'py, PyArray2<f64>>,
+    model_file: String,
+    /// Warnings about logs, as sentences.
+    warnings: Vec<String>,
+    /// What is to be known of the robot, as sentences.
+    notes: Vec<String>,
 }
 
 /// Identify the parameters of a robot from logs and parts of logs.
@@ -52,70 +58,31 @@ pub fn fit_logs(
     let parts = parts.iter().map(|part| part.inner.clone());
     let request = options.request(robot.as_deref(), &logs, parts.collect());
     let request = request.map_err(|failure| failure.raise(py))?;
-    let (inner, mut warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
+    watched(py, show, Stopped::Abandoned, move |watch| {
         let report = fit::fit(&request, watch).during(Doing::Fit)?;
-        Ok(Arc::new((request, report)))
-    })?;
-    let found = &inner.1.identification;
-    warnings.extend_from_slice(&found.warnings[found.warnings_of_logs..]);
-    Ok(FitReport { inner, warnings })
+        let found = &report.identification;
+        let mut warnings = std::mem::take(&mut watch.warnings);
+        warnings.extend_from_slice(&found.warnings[found.warnings_of_logs..]);
+        let inner = Arc::new((request, report));
+        Ok(FitReport { inner, warnings })
+    })
 }
 
 #[pymethods]
 impl FitReport {
-    /// Whether the data can be used.
+    /// What is wrong with data that cannot be used, as sentences.
     #[getter]
-    fn usable(&self) -> bool {
-        self.report().identification.is_usable()
-    }
-
-    /// What `sesc fit --json` prints.
-    fn json(&self, py: Python<'_>) -> PyResult<String> {
-        let found = &self.report().identification;
-        detached(py, || match found.is_usable() {
-            false => json(&Unusable::new(&found.health, &self.next_steps())),
-            true => json(&Printed {
-                found,
-                next_steps: &self.next_steps(),
-                corrected: None,
-                shown: None,
-            }),
-        })
-    }
-
-    /// What `sesc fit` prints.
-    fn text(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || {
-            Ok(text(
-                &self.report().identification,
-                &self.next_steps(),
-                true,
-            ))
-        })
-    }
-
-    /// Warnings about logs, as sentences.
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.warnings.clone()
-    }
-
-    /// What is to be known of the robot, as sentences.
-    #[getter]
-    fn notes(&self) -> Vec<String> {
-        self.report().notes.clone()
-    }
-
-    fn params<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let values = self.report().identification.parameters.iter();
-        PyArray1::from_iter(py, values.map(|parameter| parameter.value))
+    fn unusable(&self) -> Option<String> {
+        let found = &self.inner.1.identification;
+        let said: Vec<&str> = found.health.iter().map(|own| &*own.sentence).collect();
+        (!found.is_usable()).then(|| said.join("; "))
     }
 
     /// Text and file of the robot's URDF, and whether right angles were made exact.
     #[getter]
     fn robot(&self) -> (String, String, bool) {
-        let robot = &self.report().robot;
-        let snapped = self.report().snapping != Snapping::Off;
+        let robot = &self.inner.1.robot;
+        let snapped = self.inner.1.snapping != Snapping::Off;
         (
             robot.text().to_string(),
             robot.description.file.clone(),
@@ -123,54 +90,60 @@ impl FitReport {
         )
     }
 
-    /// Covariance of the parameters, row by row.
-    fn covariance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let all = &self.report().identification.estimate.covariance;
-        let row = |k: usize| all.row(k).iter().copied().collect();
-        let rows: Vec<Vec<f64>> = (0..all.nrows()).map(row).collect();
-        Ok(PyArray2::from_vec2(py, &rows)?)
+    /// All that Python keeps of data that can be used.
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Fitted<'py>> {
+        let report = &self.inner.1;
+        let found = &report.identification;
+        let (json, text, model_file) = detached(py, || {
+            let next_steps = &steps::worded(&found.next_steps(), steps::text);
+            let printed = json(&Printed {
+                found,
+                next_steps,
+                corrected: None,
+                shown: None,
+            });
+            let model_file = report.model_file.to_toml().during(Doing::Fit);
+            Ok((printed?, text(found, next_steps, true), model_file?))
+        })?;
+        let values = found.parameters.iter().map(|parameter| parameter.value);
+        let rows = found.estimate.covariance.row_iter();
+        let rows: Vec<Vec<f64>> = rows.map(|row| row.iter().copied().collect()).collect();
+        Ok(Fitted {
+            json,
+            text,
+            params: PyArray1::from_iter(py, values),
+            covariance: PyArray2::from_vec2(py, &rows)?,
+            model_file,
+            warnings: self.warnings.clone(),
+            notes: report.notes.clone(),
+        })
     }
 
-    /// The model file.
-    fn model_file(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || self.report().model_file.to_toml().during(Doing::Fit))
-    }
-
-    /// The corrected URDF, what changed in it as JSON, and the same as a table.
+    /// The corrected URDF.
     #[pyo3(signature = (total_mass=None))]
-    fn corrected(
-        &self,
-        py: Python<'_>,
-        total_mass: Option<f64>,
-    ) -> PyResult<(String, String, String)> {
+    fn corrected(&self, py: Python<'_>, total_mass: Option<f64>) -> PyResult<String> {
         let inner = Arc::clone(&self.inner);
-        let corrected = watched(py, None, Stopped::Abandoned, move |_| {
+        watched(py, None, Stopped::Abandoned, move |_| {
             weighed(total_mass, &inner.1.robot)?;
             let corrected = inner.1.corrected_urdf(total_mass).during(Doing::Fit)?;
-            Ok((
-                corrected.text.clone(),
-                json(&corrected)?,
-                corrections(&corrected, true),
-            ))
-        });
-        Ok(corrected?.0)
+            Ok(corrected.text)
+        })
     }
 
     /// Masses and first moments of the corrected URDF, as parts of the whole; none where no masses
     /// give the parameters.
     fn masses(&self, py: Python<'_>) -> PyResult<Option<Vec<f64>>> {
-        detached(py, || Ok(self.report().masses()))
+        detached(py, || Ok(self.inner.1.masses()))
     }
 
-    /// The page of `sesc fit --report`; `command` makes it again.
-    #[pyo3(signature = (command, show=None))]
-    fn page(&self, py: Python<'_>, command: String, show: Option<Py<PyAny>>) -> PyResult<String> {
+    /// The page of `sesc fit --report`.
+    fn page(&self, py: Python<'_>) -> PyResult<String> {
         let inner = Arc::clone(&self.inner);
-        let page = watched(py, show, Stopped::Abandoned, move |watch| {
+        watched(py, None, Stopped::Abandoned, move |watch| {
             let (request, report) = &*inner;
             let sample = fit::residuals(request, report, watch).during(Doing::Fit)?;
             let found = &report.identification;
-            let shown = Shown::of(report, sample, command, None);
+            let shown = Shown::of(report, sample, "sesc.fit(…)".to_string(), None);
             page(&Printed {
                 found,
                 next_steps: &steps::worded(&found.next_steps(), steps::text),
@@ -178,8 +151,7 @@ impl FitReport {
                 shown: Some(&shown),
             })
             .map_err(Failure::internal)
-        });
-        Ok(page?.0)
+        })
     }
 }
 
@@ -196,7 +168,7 @@ pub fn correct_fit(
     total_mass: Option<f64>,
 ) -> PyResult<String> {
     let (robot, snapping) = (robot.inner.clone(), robot.snapping);
-    let corrected = watched(py, None, Stopped::Abandoned, move |_| {
+    watched(py, None, Stopped::Abandoned, move |_| {
         weighed(total_mass, &robot)?;
         let model = robot.model(&support, snapping, None).during(Doing::Fit)?;
         // Where masses are known, a file of tolerances may be gone.
@@ -210,6 +182,5 @@ pub fn correct_fit(
         let target = (&params[..], masses.as_ref());
         let corrected = correct(&robot, &model, snapping, target, &prior, total_mass);
         Ok(corrected.during(Doing::Fit)?.text)
-    });
-    Ok(corrected?.0)
+    })
 }

@@ -131,20 +131,16 @@ impl FleetFound {
         threads: Option<usize>,
     ) -> PyResult<FleetFound> {
         let asked = Asked::of(py, &robot, options)?;
-        let request = || -> Result<Request, Failure> {
-            let groups: Result<Vec<Group>, Failure> = groups.iter().map(|g| parsed(g)).collect();
-            let mut request = Request::new(asked.robot.clone(), groups?);
-            request.options = asked.options.clone();
-            request.store = store.map(Store::new);
-            request.threads = threads;
-            Ok(request)
-        };
-        let request = request().map_err(|failure| failure.raise(py))?;
-        let (found, _) = watched(py, show, Stopped::Abandoned, move |watch| {
+        let groups: Result<Vec<Group>, Failure> = groups.iter().map(|g| parsed(g)).collect();
+        let groups = groups.map_err(|failure| failure.raise(py))?;
+        let mut request = Request::new(asked.robot.clone(), groups);
+        request.options = asked.options.clone();
+        request.store = store.map(Store::new);
+        request.threads = threads;
+        watched(py, show, Stopped::Abandoned, move |watch| {
             let found = fleet::run(&request, watch).during(Doing::Fit)?;
             Ok(FleetFound::of(found, asked))
-        })?;
-        Ok(found)
+        })
     }
 
     /// Put together what groups came to, in any order.

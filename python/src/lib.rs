@@ -47,7 +47,7 @@ mod _sesc {
     #[pymodule_export]
     use super::command::command;
     #[pymodule_export]
-    use super::diagnosis::{DiagnosisReport, correct_urdf, diagnose_log};
+    use super::diagnosis::{correct_urdf, diagnose_log};
     #[pymodule_export]
     use super::drawing::{draw_postures, draw_robot};
     #[pymodule_export]
@@ -61,7 +61,7 @@ mod _sesc {
     #[pymodule_export]
     use super::part::Part;
     #[pymodule_export]
-    use super::postures::{PlanReport, plan_postures, predict_log, simulate_log, write_postures};
+    use super::postures::{plan_postures, predict_log, simulate_log, write_postures};
     #[pymodule_export]
     use super::robot::Robot;
 

@@ -88,42 +88,6 @@ enum Given<'py> {
     Texts(Vec<String>),
 }
 
-/// What a column holds, for threads that have no interpreter.
-enum View<'a> {
-    Numbers(ArrayView1<'a, f64>),
-    Integers(ArrayView1<'a, i64>),
-    Texts(&'a [String]),
-    Unusable(usize, &'a str),
-}
-
-impl View<'_> {
-    fn of<'a>(column: &'a Given<'_>) -> View<'a> {
-        match column {
-            Given::Numbers(values) => View::Numbers(values.as_array()),
-            Given::Integers(values) => View::Integers(values.as_array()),
-            Given::Texts(values) => View::Texts(values),
-            Given::Unusable(column) => View::Unusable(column.rows, &column.what),
-        }
-    }
-
-    /// `table` with a copy of a column.
-    fn copied(self, table: Table, name: &str, signals: &mut Signals) -> PyResult<Table> {
-        Ok(match self {
-            View::Numbers(values) => table.numbers(name, copy(values, signals)?),
-            View::Integers(values) => table.integers(name, copy(values, signals)?),
-            View::Unusable(rows, what) => table.unusable(name, rows, what),
-            View::Texts(values) => {
-                let mut all: Vec<Arc<str>> = Vec::with_capacity(values.len());
-                for some in values.chunks(CHUNK) {
-                    all.extend(some.iter().map(|text| Arc::from(&**text)));
-                    signals.look()?;
-                }
-                table.texts(name, all)
-            }
-        })
-    }
-}
-
 /// Values that are copied between looks for signals: milliseconds' worth.
 const CHUNK: usize = 1 << 18;
 
@@ -134,6 +98,15 @@ fn copy<T: Copy>(values: ArrayView1<'_, T>, signals: &mut Signals) -> PyResult<V
             Some(some) => all.extend_from_slice(some),
             None => all.extend(some),
         }
+        signals.look()?;
+    }
+    Ok(all)
+}
+
+fn copy_texts(values: &[String], signals: &mut Signals) -> PyResult<Vec<Arc<str>>> {
+    let mut all = Vec::with_capacity(values.len());
+    for some in values.chunks(CHUNK) {
+        all.extend(some.iter().map(|text| Arc::from(&**text)));
         signals.look()?;
     }
     Ok(all)
@@ -169,18 +142,26 @@ impl Log {
         columns: Vec<(String, Given<'_>)>,
         settings: Option<&str>,
     ) -> PyResult<Log> {
-        let columns = columns.iter();
-        let views: Vec<(&str, View<'_>)> = columns
-            .map(|(name, column)| (name.as_str(), View::of(column)))
-            .collect();
-        let copied = || {
+        let table = guarded(py, || {
             let (mut table, mut signals) = (Table::new(name), Signals::new());
-            for (name, view) in views {
-                table = view.copied(table, name, &mut signals)?;
+            for (name, column) in &columns {
+                table = match column {
+                    Given::Unusable(column) => table.unusable(name, column.rows, &column.what),
+                    Given::Numbers(values) => {
+                        let values = values.as_array();
+                        table.numbers(name, py.detach(|| copy(values, &mut signals))?)
+                    }
+                    Given::Integers(values) => {
+                        let values = values.as_array();
+                        table.integers(name, py.detach(|| copy(values, &mut signals))?)
+                    }
+                    Given::Texts(values) => {
+                        table.texts(name, py.detach(|| copy_texts(values, &mut signals))?)
+                    }
+                };
             }
             Ok(table)
-        };
-        let table = guarded(py, || py.detach(copied))?;
+        })?;
         detached(py, || Log::with(LogSource::from(table), settings))
     }
 
@@ -224,26 +205,21 @@ impl Log {
     }
 
     /// What is wrong with the data themselves: kind, target, sentence.
-    #[pyo3(signature = (robot=None, show=None))]
     fn health(
         &self,
         py: Python<'_>,
         robot: Option<PyRef<'_, Robot>>,
-        show: Option<Py<PyAny>>,
     ) -> PyResult<Vec<(&'static str, String, String)>> {
         let snapping = robot.as_ref().map(|robot| robot.snapping);
         let robot = robot.map(|robot| robot.inner.clone());
         let source = self.source.clone();
-        let found = watched(py, show, Stopped::Abandoned, move |watch| {
+        watched(py, None, Stopped::Abandoned, move |watch| {
             let snapping = snapping.unwrap_or_default();
-            let found =
-                health::of_log(&source, robot.as_deref(), snapping, watch).during(Doing::Log)?;
-            let said = found.into_iter();
-            Ok(said
-                .map(|f| (f.kind.name(), f.target, f.sentence))
-                .collect())
-        });
-        Ok(found?.0)
+            let found = health::of_log(&source, robot.as_deref(), snapping, watch);
+            let found = found.during(Doing::Log)?.into_iter();
+            let found = found.map(|own| (own.kind.name(), own.target, own.sentence));
+            Ok(found.collect())
+        })
     }
 
     /// The columns of a table, by name; none of a file.
@@ -265,15 +241,13 @@ impl Log {
     }
 
     /// Write a simulated log with its sidecar, whose path is given back.
-    #[pyo3(signature = (path, show=None))]
-    fn write(&self, py: Python<'_>, path: PathBuf, show: Option<Py<PyAny>>) -> PyResult<PathBuf> {
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<PathBuf> {
         let Some(request) = self.simulated.clone() else {
             let message = "only simulated logs are written; save others by what they came from";
             return Err(Failure::plain(Doing::Log, message).raise(py));
         };
-        let written = watched(py, show, Stopped::Awaited, move |watch| {
+        watched(py, None, Stopped::Awaited, move |watch| {
             simulate::write(&request, &path, watch).during(Doing::Log)
-        });
-        Ok(written?.0)
+        })
     }
 }

@@ -62,6 +62,21 @@ where
     Ok(options)
 }
 
+/// What the name that a keyword is `given` stands for, of those that are `known`.
+pub fn named<T, const N: usize>(
+    keyword: &str,
+    given: &str,
+    known: [(&str, T); N],
+    doing: Doing,
+) -> Result<T, Failure> {
+    let names = known.each_ref().map(|(name, _)| *name).join(", ");
+    let found = known.into_iter().find(|(name, _)| *name == given);
+    found.map(|(_, value)| value).ok_or_else(|| {
+        let message = format!("`{keyword}` {given}: known are {names}");
+        Failure::plain(doing, message)
+    })
+}
+
 /// A value in SI units that can be meant.
 pub fn sized(name: &str, value: f64, doing: Doing) -> Result<(), Failure> {
     let wrong = |wrong| Failure::plain(doing, format!("`{name}` {value:?}: {wrong}"));
@@ -112,36 +127,25 @@ impl FitOptions {
             request.snapping = robot.snapping;
         }
         request.logs = logs.iter().map(|log| log.source.clone()).collect();
-        let named = parts.into_iter().enumerate();
-        let named = named.map(|(k, part)| (format!("part {}", k + 1), part));
-        request.parts = named.collect();
+        let parts = parts.into_iter().enumerate();
+        let parts = parts.map(|(k, part)| (format!("part {}", k + 1), part));
+        request.parts = parts.collect();
         request.support = self.support;
         request.angles = self.degrees.map(angles);
         request.prior = PriorChoice::from(self.prior.as_str());
         request.noise = self.noise;
-        request.robust = match self.robust.as_deref() {
-            None => None,
-            Some("huber") => Some(Loss::Huber),
-            Some("tukey") => Some(Loss::Tukey),
-            Some(other) => {
-                let message = format!("`robust` {other}: known are huber, tukey");
-                return Err(Failure::plain(Doing::Fit, message));
-            }
-        };
+        let losses = [("huber", Loss::Huber), ("tukey", Loss::Tukey)];
+        let robust = self.robust.as_deref();
+        let robust = robust.map(|given| named("robust", given, losses, Doing::Fit));
+        request.robust = robust.transpose()?;
         request.folds = self.folds;
         request.range = self.range;
         request.physical = self.physical;
         request.motion = motion(self.motion);
         request.stays = stays(self.settle)?;
         request.unit = self.unit;
-        request.duplicates = match self.duplicates.as_str() {
-            "refuse" => Duplicates::Refuse,
-            "skip" => Duplicates::Skip,
-            other => {
-                let message = format!("`duplicates` {other}: known are refuse, skip");
-                return Err(Failure::plain(Doing::Fit, message));
-            }
-        };
+        let ways = [("refuse", Duplicates::Refuse), ("skip", Duplicates::Skip)];
+        request.duplicates = named("duplicates", &self.duplicates, ways, Doing::Fit)?;
         Ok(request)
     }
 }

@@ -1,13 +1,14 @@
 //! What one log contributes to a fit, as a value.
 
-use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use serde_json::json;
 use sesc_identify::fit;
 
 use crate::calls::{Stopped, detached, watched};
 use crate::errors::{Doing, During, Failure};
 use crate::log::Log;
+use crate::model::compact;
 use crate::options::{FitOptions, taken};
 use crate::robot::Robot;
 
@@ -33,14 +34,14 @@ impl Part {
         let options: FitOptions = taken(options, Doing::Fit)?;
         let request = options.request(Some(&robot), &logs, Vec::new());
         let request = request.map_err(|failure| failure.raise(py))?;
-        let (inner, warnings) = watched(py, show, Stopped::Abandoned, move |watch| {
-            let part = fit::gather(&request, watch).during(Doing::Fit)?;
-            match part.unusable() {
-                Some(broken) => Err(Failure::plain(Doing::Part, broken.sentence.clone())),
-                None => Ok(part),
+        watched(py, show, Stopped::Abandoned, move |watch| {
+            let inner = fit::gather(&request, watch).during(Doing::Fit)?;
+            if let Some(broken) = inner.unusable() {
+                return Err(Failure::plain(Doing::Part, broken.sentence.clone()));
             }
-        })?;
-        Ok(Part { inner, warnings })
+            let warnings = std::mem::take(&mut watch.warnings);
+            Ok(Part { inner, warnings })
+        })
     }
 
     #[staticmethod]
@@ -75,58 +76,22 @@ impl Part {
         })
     }
 
-    #[getter]
-    fn support(&self) -> &str {
-        &self.inner.support
-    }
-
-    #[getter]
-    fn supports(&self) -> Vec<String> {
-        self.inner.supports.clone()
-    }
-
-    /// Hash of the robot.
-    #[getter]
-    fn hash(&self) -> &str {
-        &self.inner.hash
-    }
-
-    #[getter]
-    fn postures(&self) -> u64 {
-        self.inner.postures()
-    }
-
-    /// The robot of its type that the logs are of.
-    #[getter]
-    fn unit(&self) -> Option<&str> {
-        self.inner.unit.as_deref()
-    }
-
-    /// The options that shaped the sums, as JSON.
-    #[getter]
-    fn options(&self) -> PyResult<String> {
-        let options = serde_json::to_string(&self.inner.options);
-        options.map_err(|error| PyRuntimeError::new_err(error.to_string()))
-    }
-
-    /// Name, hash and rows of each log.
-    #[getter]
-    fn logs(&self) -> Vec<(String, String, u64)> {
-        let logs = self.inner.logs().iter();
-        logs.map(|log| (log.file.clone(), log.hash.clone(), log.rows))
-            .collect()
-    }
-
-    /// What is wrong with the logs: kind, target, sentence.
-    #[getter]
-    fn health(&self) -> Vec<(&'static str, String, String)> {
-        let all = self.inner.health().iter();
-        all.map(|f| (f.kind.name(), f.target.clone(), f.sentence.clone()))
-            .collect()
-    }
-
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.warnings.clone()
+    /// Robot, logs and options, and what is wrong with them, as JSON.
+    fn about(&self, py: Python<'_>) -> PyResult<String> {
+        let part = &self.inner;
+        let about = || {
+            compact(&json!({
+                "support": part.support,
+                "supports": part.supports,
+                "robot_hash": part.hash,
+                "postures": part.postures(),
+                "unit": part.unit,
+                "options": part.options,
+                "logs": part.logs(),
+                "health": part.health(),
+                "warnings": self.warnings,
+            }))
+        };
+        detached(py, about)
     }
 }

@@ -1,24 +1,18 @@
 //! Postures to be taken: plans, simulations, predictions.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use sesc::report::{
-    self,
-    next_steps::{WithSteps, Worded},
-};
+use sesc::report::{self, next_steps::WithSteps};
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{PostureWriter, Row, Sidecar, Written};
-use sesc_identify::plan::Limits;
-use sesc_identify::plan::Region;
-use sesc_identify::plan::{self, Request};
+use sesc_identify::plan::{self, Limits, Region, Request};
 use sesc_identify::predict::{self, predict};
 use sesc_identify::robot::Stance;
-use sesc_identify::simulate::hide;
-use sesc_identify::simulate::{self, simulate};
-use sesc_identify::skeleton::Skeleton;
+use sesc_identify::simulate::{self, hide, simulate};
 
 use crate::calls::{Stopped, Waiting, detached, watched};
 use crate::errors::{Doing, During, Failure};
@@ -50,32 +44,35 @@ pub struct PlanOptions {
     other_foot: Option<String>,
 }
 
-/// Postures that tell most.
-#[pyclass(frozen, module = "sesc._sesc")]
-pub struct PlanReport {
-    plan: plan::Plan,
-    skeleton: Skeleton,
+/// What `sesc plan` prints as JSON and as text, and its page.
+#[derive(IntoPyObject)]
+pub struct Planned {
+    json: String,
+    text: String,
+    page: String,
 }
 
-/// Choose postures that tell most about the parameters.
+/// Numbers of postures, and their joint positions.
+type Rows<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>);
+
+/// Choose postures that tell most about the parameters: the rows of their file, and what is said
+/// of them.
 #[pyfunction]
 #[pyo3(signature = (robot, model, data, options, show=None))]
-pub fn plan_postures(
-    py: Python<'_>,
+pub fn plan_postures<'py>(
+    py: Python<'py>,
     robot: PyRef<'_, Robot>,
     model: PyRef<'_, Model>,
     data: Option<PyRef<'_, Log>>,
     options: &Bound<'_, PyAny>,
     show: Option<Py<PyAny>>,
-) -> PyResult<PlanReport> {
+) -> PyResult<(Rows<'py>, Planned)> {
     let options: PlanOptions = taken(options, Doing::Plan)?;
-    let (robot, folder, model) = (
-        robot.inner.clone(),
-        robot.folder.clone(),
-        model.inner.clone(),
-    );
+    let (own, model, folder) = (&*robot, model.inner.clone(), robot.folder.clone());
+    let skeleton = detached(py, || Ok(own.skeleton(&model)))?;
+    let robot = robot.inner.clone();
     let log = data.map(|log| log.source.clone());
-    let plan = watched(py, show, Stopped::Abandoned, move |watch| {
+    let (plan, said) = watched(py, show, Stopped::Abandoned, move |watch| {
         let build = |watch: &mut Waiting| -> Result<_, sesc_identify::Error> {
             let region = match (&options.sole, options.cop_box) {
                 (Some(sole), _) => Region::sole(sole, options.margin)?,
@@ -106,57 +103,25 @@ pub fn plan_postures(
                 other: options.other_foot,
             };
             request.folder = folder;
-            let (description, folder) = (&request.robot.description, request.folder.as_deref());
-            let skeleton = Skeleton::of(&request.model, description, folder);
-            plan::plan(&request, watch).map(|plan| PlanReport { plan, skeleton })
+            plan::plan(&request, watch)
         };
-        build(watch).during(Doing::Plan)
-    });
-    Ok(plan?.0)
-}
-
-impl PlanReport {
-    fn next_steps(&self) -> Vec<Worded> {
-        steps::worded(&self.plan.next_steps(), steps::text)
-    }
-}
-
-#[pymethods]
-impl PlanReport {
-    /// What `sesc plan --json` prints.
-    fn json(&self, py: Python<'_>) -> PyResult<String> {
-        detached(py, || {
-            json(&WithSteps {
-                found: &self.plan,
-                next_steps: &self.next_steps(),
-            })
-        })
-    }
-
-    /// What `sesc plan` prints.
-    fn text(&self) -> String {
-        report::plan::text(&self.plan, &self.next_steps())
-    }
-
-    /// The page of `sesc plan --report`.
-    fn page(&self, py: Python<'_>, file: &str, command: &str) -> PyResult<String> {
-        detached(py, || {
-            let (plan, next) = (&self.plan, self.next_steps());
-            report::plan::page(plan, &next, &self.skeleton, file, command)
-                .map_err(Failure::internal)
-        })
-    }
-
-    /// Numbers and joint positions of the rows of its file.
-    #[allow(clippy::type_complexity)]
-    fn rows<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>)> {
-        let (poses, q): (Vec<i64>, Vec<Vec<f64>>) =
-            self.plan.rows().map(|(pose, q)| (pose, q.to_vec())).unzip();
-        Ok((PyArray1::from_vec(py, poses), PyArray2::from_vec2(py, &q)?))
-    }
+        let plan = build(watch).during(Doing::Plan)?;
+        let next_steps = steps::worded(&plan.next_steps(), steps::text);
+        let page = report::plan::page(&plan, &next_steps, &skeleton, "plan", "sesc.plan(…)");
+        let said = Planned {
+            json: json(&WithSteps {
+                found: &plan,
+                next_steps: &next_steps,
+            })?,
+            text: report::plan::text(&plan, &next_steps),
+            page: page.map_err(Failure::internal)?,
+        };
+        Ok((plan, said))
+    })?;
+    let (poses, q): (Vec<i64>, Vec<Vec<f64>>) =
+        plan.rows().map(|(pose, q)| (pose, q.to_vec())).unzip();
+    let rows = (PyArray1::from_vec(py, poses), PyArray2::from_vec2(py, &q)?);
+    Ok((rows, said))
 }
 
 /// Write postures with their numbers (of a stand on both feet where there is another foot) as a
@@ -223,37 +188,22 @@ pub fn simulate_log(
     show: Option<Py<PyAny>>,
 ) -> PyResult<Log> {
     let options: SimulateOptions<'_> = taken(options, Doing::Log)?;
+    let mut request = simulate::Request::new(model.inner.clone(), options.poses);
     let postures = options.postures.as_ref();
-    let postures = postures.map(|q| q.as_array().iter().copied().collect::<Vec<f64>>());
-    let SimulateOptions {
-        poses,
-        range,
-        noise,
-        seed,
-        rate,
-        numbers,
-        motion: moves,
-        hide: hidden,
-        ..
-    } = options;
-    let model = model.inner.clone();
-    let log = watched(py, show, Stopped::Abandoned, move |watch| {
-        let build = |watch: &mut Waiting| -> Result<_, sesc_identify::Error> {
-            let model = hide((*model).clone(), &hidden)?;
-            let mut request = simulate::Request::new(model, poses);
-            request.postures = postures;
-            request.numbers = numbers;
-            request.range = range;
-            request.noise = noise;
-            request.seed = seed;
-            request.rate = rate;
-            request.motion = motion(moves);
-            let log = simulate(&request, watch)?;
-            Ok(Log::simulated(log, request))
-        };
-        build(watch).during(Doing::Log)
-    });
-    Ok(log?.0)
+    request.postures = postures.map(|q| q.as_array().iter().copied().collect());
+    request.numbers = options.numbers;
+    request.range = options.range;
+    request.noise = options.noise;
+    request.seed = options.seed;
+    request.rate = options.rate;
+    request.motion = motion(options.motion);
+    let hidden = options.hide;
+    watched(py, show, Stopped::Abandoned, move |watch| {
+        let model = hide((*request.model).clone(), &hidden).during(Doing::Log)?;
+        request.model = Arc::new(model);
+        let log = simulate(&request, watch).during(Doing::Log)?;
+        Ok(Log::simulated(log, request))
+    })
 }
 
 /// Pose, CoM and CoP of every row of a log, m.
@@ -281,7 +231,7 @@ pub fn predict_log<'py>(
     let mut request = predict::Request::new(stance, &log.source);
     request.angles = degrees.map(angles);
     request.motion = motion(moves);
-    let (found, _) = watched(py, show, Stopped::Abandoned, move |watch| {
+    let found = watched(py, show, Stopped::Abandoned, move |watch| {
         predict(&request, watch).during(Doing::Log)
     })?;
     let n = found.pose.len();

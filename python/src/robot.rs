@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use sesc_identify::robot;
-use sesc_model::Snapping;
+use sesc_identify::skeleton::Skeleton;
+use sesc_model::{Model, Snapping};
 
 use crate::calls::detached;
-use crate::errors::{Doing, During};
+use crate::errors::{Doing, During, Failure};
 
 /// A robot, and how right angles of its URDF are read.
 #[pyclass(frozen, subclass, module = "sesc._sesc")]
@@ -20,6 +21,19 @@ pub struct Robot {
     /// Whether `xacro` was run over its file.
     #[pyo3(get, name = "_expanded")]
     expanded: bool,
+}
+
+impl Robot {
+    /// The robot on a link.
+    pub fn on(&self, support: &str) -> Result<Model, Failure> {
+        let model = self.inner.model(support, self.snapping, None);
+        model.during(Doing::Urdf)
+    }
+
+    /// The robot of `model` as it is drawn.
+    pub fn skeleton(&self, model: &Model) -> Skeleton {
+        Skeleton::of(model, &self.inner.description, self.folder.as_deref())
+    }
 }
 
 #[pymethods]
@@ -45,7 +59,7 @@ impl Robot {
                 read.map(|read| (read.robot, read.expanded))
             }
         };
-        let (inner, expanded) = detached(py, || read().during(Doing::Robot))?;
+        let (inner, expanded) = detached(py, || read().during(Doing::Urdf))?;
         let snapping = match snap {
             true => Snapping::default(),
             false => Snapping::Off,

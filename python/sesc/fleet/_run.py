@@ -270,23 +270,22 @@ def run(
     data, table = _named(paths_or_table, by)
     groups = _sesc.fleet_groups(data, table, by)
     folder = None if store is None else os.fspath(store)
-    show = _run.shown(progress)
-    if engine is None:
-        found = _sesc.FleetFound.run(robot, options, groups, folder, show, threads)
-    else:
-        stop = Event()
-        jobs = [Job(robot, options, group, folder, stop) for group in groups]
-        done: list[str] = []
-        try:
-            for one in worked(engine, jobs):
-                done.append(one)
-                if show is not None:
-                    show("diagnosing", len(done), len(jobs))
-        finally:
-            # Ctrl-C, or a `progress` that has enough: threads of an engine end.
-            stop.set()
-        found = _sesc.FleetFound.gathered(robot, options, done)
-    _run.ended(progress)
+    with _run.showing(progress) as show:
+        if engine is None:
+            found = _sesc.FleetFound.run(robot, options, groups, folder, show, threads)
+        else:
+            stop = Event()
+            jobs = [Job(robot, options, group, folder, stop) for group in groups]
+            done: list[str] = []
+            try:
+                for one in worked(engine, jobs):
+                    done.append(one)
+                    if show is not None:
+                        show("diagnosing", len(done), len(jobs))
+            finally:
+                # Ctrl-C, or a `progress` that has enough: threads of an engine end.
+                stop.set()
+            found = _sesc.FleetFound.gathered(robot, options, done)
     return Fleet(found, (robot, options))
 
 

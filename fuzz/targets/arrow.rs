@@ -1,3 +1,0 @@
-#![no_main]
-
-sesc_fuzz::target!(sesc_fuzz::arrow::arrow);
