@@ -12,7 +12,7 @@ use sesc_identify::NextStep;
 use sesc_model::tape::Values;
 use sesc_model::{self as model, Function, ModelFile};
 
-use crate::arrays::{Axis, Numbers, Target, numbers};
+use crate::arrays::{Axis, Target, numbers};
 use crate::batch::{Batch, Count};
 use crate::calls::{detached, guarded};
 use crate::errors::{Doing, During, Failure};
@@ -47,10 +47,10 @@ impl Model {
 
     /// A function of arrays of one shape: positions, and velocities and accelerations where
     /// the robot moves.
-    fn run<'py>(
+    fn run<'py, const N: usize>(
         &self,
         function: Function,
-        inputs: &[(&str, In<'_, 'py>)],
+        inputs: [(&str, In<'_, 'py>); N],
         out: Out<'_, 'py>,
         threads: Threads,
     ) -> Found<'py> {
@@ -61,9 +61,8 @@ impl Model {
                 Function::CorrectCop => Axis::Reading(&self.reading),
                 _ => Axis::Joints(&self.joints),
             };
-            let arrays = inputs.iter();
-            let arrays = arrays.map(|(name, input)| numbers(input, axis, name, out.is_none()));
-            let arrays: Vec<Numbers<'_>> = arrays.collect::<PyResult<_>>()?;
+            let arrays =
+                each(inputs.map(|(name, input)| numbers(input, axis, name, out.is_none())))?;
             let shape = arrays[0].shape();
             if arrays.iter().any(|array| array.shape() != shape) {
                 let shapes: Vec<String> = inputs
@@ -81,8 +80,10 @@ impl Model {
             let shape: Vec<usize> = outer.iter().chain(&prepared.shape).copied().collect();
             let mut target = Target::of(py, out, &shape)?;
             let values = target.values()?;
-            let q = arrays.iter().map(Numbers::values);
-            let q: Vec<&[f64]> = q.collect::<PyResult<_>>()?;
+            let mut q: [&[f64]; N] = [&[]; N];
+            for (q, array) in q.iter_mut().zip(&arrays) {
+                *q = array.values()?;
+            }
             match &prepared.evaluator {
                 // Without effects of the sensor a reading is the CoP itself.
                 None => values.copy_from_slice(q[0]),
@@ -95,8 +96,8 @@ impl Model {
                         threads: threads.map_or(1, |threads| threads.0),
                     };
                     batch.run(py, values, |start, n, out| {
-                        let from = |k: usize| &q[k.min(q.len() - 1)][start * width..];
-                        match q.len() {
+                        let from = |k: usize| &q[k.min(N - 1)][start * width..];
+                        match N {
                             1 => evaluator.run_into(from(0), n, out),
                             _ => {
                                 let motion = [from(1), from(2)].map(Values::PerPosture);
@@ -108,6 +109,22 @@ impl Model {
             }
             Ok(target.array())
         })
+    }
+}
+
+/// All of the results, or the first error.
+fn each<T, const N: usize>(results: [PyResult<T>; N]) -> PyResult<[T; N]> {
+    let mut error = None;
+    let values = results.map(|result| match result {
+        Ok(value) => Some(value),
+        Err(own) => {
+            error.get_or_insert(own);
+            None
+        }
+    });
+    match error {
+        Some(error) => Err(error),
+        None => Ok(values.map(|value| value.expect("there is no error"))),
     }
 }
 
@@ -276,7 +293,7 @@ impl Model {
     ///     [0.1, 0.0, 1.0]
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn com<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
-        self.run(Function::Com, &[("q", q)], out, threads)
+        self.run(Function::Com, [("q", q)], out, threads)
     }
 
     /// Its derivative with respect to joint positions, m/rad (prismatic: m/m): ``(3, dof)`` or
@@ -291,7 +308,7 @@ impl Model {
     ///     (2, 3, 1)
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn com_jacobian<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
-        self.run(Function::ComJacobian, &[("q", q)], out, threads)
+        self.run(Function::ComJacobian, [("q", q)], out, threads)
     }
 
     /// Velocity of the centre of mass, m/s, of joints at `qd` (rad/s, m/s): positions and
@@ -312,7 +329,7 @@ impl Model {
         out: Out<'_, 'py>,
         threads: Threads,
     ) -> Found<'py> {
-        self.run(Function::ComVelocity, &[("q", q), ("qd", qd)], out, threads)
+        self.run(Function::ComVelocity, [("q", q), ("qd", qd)], out, threads)
     }
 
     /// The moment that gravity exerts about each joint, per kg of total mass times g, m, −∂z/∂q of
@@ -334,7 +351,7 @@ impl Model {
         out: Out<'_, 'py>,
         threads: Threads,
     ) -> Found<'py> {
-        self.run(Function::GravityMoments, &[("q", q)], out, threads)
+        self.run(Function::GravityMoments, [("q", q)], out, threads)
     }
 
     /// Reading of the centre of pressure that a static posture gives, m, with the effects of the
@@ -349,7 +366,7 @@ impl Model {
     ///     [0.1, 0.0]
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn cop<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
-        self.run(Function::Cop, &[("q", q)], out, threads)
+        self.run(Function::Cop, [("q", q)], out, threads)
     }
 
     /// How that reading moves with what encoders read, m/rad (prismatic: m/m): ``(2, dof)`` or
@@ -364,7 +381,7 @@ impl Model {
     ///     (2, 1)
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn cop_jacobian<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
-        self.run(Function::CopJacobian, &[("q", q)], out, threads)
+        self.run(Function::CopJacobian, [("q", q)], out, threads)
     }
 
     /// Rows of the CoP in the parameters, ``cop = cop_rows @ params`` without effects: ``(2,
@@ -379,7 +396,7 @@ impl Model {
     ///     (2, 5)
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn cop_rows<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
-        self.run(Function::RegressorCop, &[("q", q)], out, threads)
+        self.run(Function::RegressorCop, [("q", q)], out, threads)
     }
 
     /// Rows of the CoM in the parameters, ``com = com_rows @ params``: ``(3, p)`` or ``(n, 3,
@@ -394,7 +411,7 @@ impl Model {
     ///     (3, 5)
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn com_rows<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
-        self.run(Function::Regressor, &[("q", q)], out, threads)
+        self.run(Function::Regressor, [("q", q)], out, threads)
     }
 
     /// Rows of the CoM in all parameters of the chain, ``[B_0 B_1 …]``, three columns for the
@@ -410,7 +427,7 @@ impl Model {
     ///     (3, 6)
     #[pyo3(signature = (q, *, out=None, threads=None))]
     fn full_rows<'py>(&self, q: In<'_, 'py>, out: Out<'_, 'py>, threads: Threads) -> Found<'py> {
-        self.run(Function::RegressorFull, &[("q", q)], out, threads)
+        self.run(Function::RegressorFull, [("q", q)], out, threads)
     }
 
     /// The CoP that a reading was made of, m: takes back the sensor's effects of the model
@@ -431,7 +448,7 @@ impl Model {
         out: Out<'_, 'py>,
         threads: Threads,
     ) -> Found<'py> {
-        self.run(Function::CorrectCop, &[("reading", reading)], out, threads)
+        self.run(Function::CorrectCop, [("reading", reading)], out, threads)
     }
 
     /// Zero-moment point of a robot that moves, m: positions, velocities (rad/s, m/s) and
@@ -455,7 +472,7 @@ impl Model {
     ) -> Found<'py> {
         self.run(
             Function::Zmp,
-            &[("q", q), ("qd", qd), ("qdd", qdd)],
+            [("q", q), ("qd", qd), ("qdd", qdd)],
             out,
             threads,
         )
