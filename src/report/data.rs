@@ -5,6 +5,7 @@ use minijinja::{Value, context};
 
 use super::figures::plan::range_bar;
 use super::health;
+use super::table::position;
 use sesc_identify::fit::Visits;
 use sesc_identify::health::Finding;
 use sesc_model::text::listed;
@@ -80,7 +81,7 @@ impl Data<'_> {
             let allowed = match dof.continuous {
                 true => "without limits".to_string(),
                 false if dof.lower == -dof.upper => {
-                    format!("of ±{}", number(dof.upper, dof.prismatic))
+                    format!("of ±{}", position(dof.upper, dof.prismatic))
                 }
                 false => format!("of {}", between(limits, dof.prismatic)),
             };
@@ -116,13 +117,9 @@ impl Data<'_> {
 
 /// `−29° to 57°`
 fn between([low, high]: [f64; 2], prismatic: bool) -> String {
-    format!("{} to {}", number(low, prismatic), number(high, prismatic))
-}
-
-fn number(value: f64, prismatic: bool) -> String {
-    let (value, unit) = match prismatic {
-        true => (1e3 * value, " mm"),
-        false => (value.to_degrees(), "°"),
-    };
-    format!("{:.0}{unit}", value.round() + 0.0).replace('-', "−")
+    format!(
+        "{} to {}",
+        position(low, prismatic),
+        position(high, prismatic)
+    )
 }

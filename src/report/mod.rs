@@ -14,8 +14,9 @@ pub mod fleet;
 pub mod health;
 pub mod html;
 pub mod next_steps;
-mod origin;
+pub mod origin;
 pub mod plan;
+mod plot;
 mod robot;
 mod svg;
 pub mod table;
@@ -27,6 +28,7 @@ use serde::Serialize;
 use sesc_identify::diagnose::Diagnosis;
 use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::feet::ClosureFound;
+use sesc_identify::fit::{Again, MotionUse, Visits};
 
 /// The seed paper's simulation end to end, on one robot.
 #[derive(Debug, Clone, Serialize)]
@@ -195,6 +197,29 @@ pub struct HeightRow {
     pub identified: f64,
     /// Identified, the constant taken from CAD.
     pub anchored: f64,
+}
+
+/// A name, and what is said of it.
+type Fact = (&'static str, String);
+
+/// What consoles say of the data of a fit or a diagnosis.
+fn about_data(
+    samples: String,
+    motion: &MotionUse,
+    again: Option<&Again>,
+    closure: Option<&ClosureFound>,
+    visits: Option<&Visits>,
+) -> impl Iterator<Item = Fact> {
+    let motion = Some(motion.sentence.clone()).filter(|motion| !motion.is_empty());
+    let facts = [
+        ("samples", Some(samples)),
+        ("motion", motion),
+        ("reach again", again.map(|own| own.sentence.clone())),
+        ("soles", closure.map(soles)),
+        ("visits", visits.map(Visits::sentence)),
+    ];
+    let known = facts.into_iter();
+    known.filter_map(|(name, said)| Some((name, said?)))
 }
 
 /// How the soles of both feet lie, in a line.

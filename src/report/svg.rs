@@ -5,7 +5,6 @@
 //! figure brings the values of the classes for light and for dark pages along.
 //! What has a coordinate that is no number is left out.
 
-mod axes;
 #[cfg(test)]
 pub mod tests;
 
@@ -13,8 +12,6 @@ use std::fmt::{self, Write as _};
 
 use serde::Serialize;
 use sesc_model::text::visible_lines;
-
-pub use axes::{Axes, HEADING, same_scale, span};
 
 /// A colour under its name on the page; the colours are few and can be told apart
 /// without telling red from green.
@@ -85,7 +82,6 @@ const TITLE: Type = bold(13.5);
 
 /// A figure under construction.
 pub struct Figure {
-    size: [f64; 2],
     svg: String,
 }
 
@@ -93,25 +89,36 @@ impl Figure {
     /// An empty figure of this width and height, pixels; `label` says in words what
     /// it shows.
     pub fn new(size: [f64; 2], label: &str) -> Figure {
+        let more = " font-family=\"sans-serif\" stroke-linejoin=\"round\"";
+        let mut figure = Figure::begun(size, label, more);
+        let rules = |value: fn(&Color) -> &'static str| {
+            let rule = |color: &Color| format!("svg .{}{{color:{}}}", color.name, value(color));
+            let rules: String = PALETTE.iter().map(rule).collect();
+            format!("{rules}svg .hollow{{fill:{}}}", value(&PAPER))
+        };
+        let (light, dark) = (rules(|color| color.light), rules(|color| color.dark));
+        let style = format!("{light}@media screen and (prefers-color-scheme:dark){{{dark}}}");
+        let _ = writeln!(figure.svg, "<style>{style}</style>");
+        figure.fill([[0.0; 2], size.map(f64::ceil)], PAPER, 1.0);
+        figure
+    }
+
+    /// A figure of a page that has others, from which it takes its colours: without style and
+    /// ground of its own.
+    pub fn plain(size: [f64; 2], label: &str) -> Figure {
+        Figure::begun(size, label, "")
+    }
+
+    fn begun(size: [f64; 2], label: &str, more: &str) -> Figure {
         let [width, height] = size.map(f64::ceil);
-        let mut svg = format!(
+        let svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
-             width=\"{width}\" height=\"{height}\" font-family=\"sans-serif\" \
-             font-size=\"{}\" stroke-linejoin=\"round\" role=\"img\" aria-label=\"{}\">\n<style>",
+             width=\"{width}\" height=\"{height}\"{more} font-size=\"{}\" role=\"img\" \
+             aria-label=\"{}\">\n",
             SMALL.size,
             escaped(label)
         );
-        let rule = |svg: &mut String, name: &str, value: &str| {
-            let _ = write!(svg, "svg .{name}{{color:{value}}}");
-        };
-        PALETTE.iter().for_each(|c| rule(&mut svg, c.name, c.light));
-        let _ = write!(svg, "svg .hollow{{fill:{}}}", PAPER.light);
-        svg.push_str("@media screen and (prefers-color-scheme:dark){");
-        PALETTE.iter().for_each(|c| rule(&mut svg, c.name, c.dark));
-        let _ = writeln!(svg, "svg .hollow{{fill:{}}}}}</style>", PAPER.dark);
-        let mut figure = Figure { size, svg };
-        figure.fill([[0.0; 2], [width, height]], PAPER, 1.0);
-        figure
+        Figure { svg }
     }
 
     /// The text of the figure.
@@ -119,9 +126,10 @@ impl Figure {
         self.svg + "</svg>\n"
     }
 
-    fn element(&mut self, places: &[Place], element: fmt::Arguments<'_>) {
+    /// An element, if its places are known.
+    fn element(&mut self, name: &str, class: &str, places: &[Place], more: fmt::Arguments<'_>) {
         if places.iter().flatten().all(|x| x.is_finite()) {
-            let _ = writeln!(self.svg, "{element}");
+            let _ = writeln!(self.svg, "<{name} class=\"{class}\" {more}/>");
         }
     }
 
@@ -146,31 +154,40 @@ impl Figure {
             }
         }
         if !path.is_empty() {
-            self.element(
-                &[],
-                format_args!(
-                    "<path class=\"{}\" d=\"{path}\" fill=\"none\" stroke=\"currentColor\" \
-                     stroke-width=\"{width}\"/>",
-                    color.name
-                ),
+            let stroke = format_args!(
+                "d=\"{path}\" fill=\"none\" stroke=\"currentColor\" stroke-width=\"{width}\""
             );
+            self.element("path", color.name, &[], stroke);
         }
+    }
+
+    /// A straight line with more attributes.
+    fn stroke(&mut self, ends: [Place; 2], color: Color, width: f64, more: &str) {
+        let [[a, b], [c, d]] = ends.map(|[x, y]| [Px(x), Px(y)]);
+        let width = Px(width);
+        let stroke = format_args!(
+            "d=\"M{a} {b}L{c} {d}\" stroke=\"currentColor\" stroke-width=\"{width}\" {more}"
+        );
+        self.element("path", color.name, &ends, stroke);
+    }
+
+    /// All points within half a width of a line.
+    pub fn capsule(&mut self, ends: [Place; 2], width: f64, color: Color) {
+        self.stroke(ends, color, width, "stroke-linecap=\"round\"");
+    }
+
+    /// A dashed line.
+    pub fn dashed(&mut self, ends: [Place; 2], color: Color, width: f64) {
+        self.stroke(ends, color, width, "stroke-dasharray=\"3 3\"");
     }
 
     /// A filled polygon.
     pub fn polygon(&mut self, places: &[Place], color: Color) {
-        let points: Vec<String> = places
-            .iter()
-            .map(|[x, y]| format!("{},{}", Px(*x), Px(*y)))
-            .collect();
-        self.element(
-            places,
-            format_args!(
-                "<polygon class=\"{}\" points=\"{}\" fill=\"currentColor\"/>",
-                color.name,
-                points.join(" ")
-            ),
-        );
+        let points = places.iter();
+        let points = points.map(|[x, y]| format!("{},{}", Px(*x), Px(*y)));
+        let points = points.collect::<Vec<String>>().join(" ");
+        let filled = format_args!("points=\"{points}\" fill=\"currentColor\"");
+        self.element("polygon", color.name, places, filled);
     }
 
     /// A filled box between two corners; `opacity` from 0 to 1.
@@ -179,62 +196,38 @@ impl Figure {
             true => format!(" fill-opacity=\"{opacity}\""),
             false => String::new(),
         };
-        self.element(
-            &corners,
-            format_args!(
-                "<rect class=\"{}\"{} fill=\"currentColor\"{opacity}/>",
-                color.name,
-                Corners(corners)
-            ),
-        );
+        let filled = format_args!("{} fill=\"currentColor\"{opacity}", Corners(corners));
+        self.element("rect", color.name, &corners, filled);
     }
 
     /// The edges of a box.
     pub fn outline(&mut self, corners: [Place; 2], color: Color) {
-        self.element(
-            &corners,
-            format_args!(
-                "<rect class=\"{}\"{} fill=\"none\" stroke=\"currentColor\"/>",
-                color.name,
-                Corners(corners)
-            ),
-        );
-    }
-
-    /// A box around a place, which marks an outlier.
-    pub fn boxed(&mut self, [x, y]: Place, half: f64) {
-        self.outline([[x - half, y - half], [x + half, y + half]], INK);
+        let edges = Corners(corners);
+        let drawn = format_args!("{edges} fill=\"none\" stroke=\"currentColor\"");
+        self.element("rect", color.name, &corners, drawn);
     }
 
     /// A filled dot.
     pub fn dot(&mut self, at: Place, radius: f64, color: Color) {
-        self.element(
-            &[at],
-            format_args!(
-                "<circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"{radius}\" fill=\"currentColor\"/>",
-                color.name,
-                Px(at[0]),
-                Px(at[1])
-            ),
-        );
+        let [x, y] = at.map(Px);
+        let filled = format_args!("cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"currentColor\"");
+        self.element("circle", color.name, &[at], filled);
     }
 
     /// A hollow dot.
-    fn ring(&mut self, at: Place, color: Color) {
-        self.element(
-            &[at],
-            format_args!(
-                "<circle class=\"{} hollow\" cx=\"{}\" cy=\"{}\" r=\"3.75\" \
-                 stroke=\"currentColor\" stroke-width=\"1.25\"/>",
-                color.name,
-                Px(at[0]),
-                Px(at[1])
-            ),
+    pub fn ring(&mut self, at: Place, color: Color) {
+        let [x, y] = at.map(Px);
+        let edge = format_args!(
+            "cx=\"{x}\" cy=\"{y}\" r=\"3.75\" stroke=\"currentColor\" stroke-width=\"1.25\""
         );
+        self.element("circle", &format!("{} hollow", color.name), &[at], edge);
     }
 
-    /// One line of text, its middle at the height of the place.
+    /// One line of text, its middle at the height of the place; none without words.
     pub fn text(&mut self, at: Place, anchor: Anchor, font: Type, color: Color, text: &str) {
+        if text.is_empty() || !at.iter().all(|x| x.is_finite()) {
+            return;
+        }
         let mut style = match anchor {
             Anchor::Start => String::new(),
             Anchor::Middle => " text-anchor=\"middle\"".to_string(),
@@ -246,16 +239,14 @@ impl Figure {
         if font.bold {
             style.push_str(" font-weight=\"bold\"");
         }
-        self.element(
-            &[at],
-            format_args!(
-                "<text class=\"{}\" x=\"{}\" y=\"{}\" fill=\"currentColor\"{style}>{}</text>",
-                color.name,
-                Px(at[0]),
-                // Digits stand on the line and are 0.7 of the size high.
-                Px(at[1] + 0.35 * font.size),
-                escaped(text)
-            ),
+        let _ = writeln!(
+            self.svg,
+            "<text class=\"{}\" x=\"{}\" y=\"{}\" fill=\"currentColor\"{style}>{}</text>",
+            color.name,
+            Px(at[0]),
+            // Digits stand on the line and are 0.7 of the size high.
+            Px(at[1] + 0.35 * font.size),
+            escaped(text)
         );
     }
 
@@ -264,147 +255,21 @@ impl Figure {
         self.text(at, anchor, SMALL, color, text);
     }
 
+    /// A text that stays readable on whatever is under it.
+    pub fn haloed(&mut self, at: Place, anchor: Anchor, font: Type, color: Color, text: &str) {
+        let attributes = format!(
+            "class=\"{}\" stroke=\"currentColor\" stroke-width=\"5\" aria-hidden=\"true\"",
+            PAPER.name
+        );
+        self.group(&attributes, |figure| {
+            figure.text(at, anchor, font, PAPER, text);
+        });
+        self.text(at, anchor, font, color, text);
+    }
+
     /// The title of a figure or panel, at its left edge.
     pub fn title(&mut self, middle: f64, text: &str) {
         self.text([2.0, middle], Anchor::Start, TITLE, INK, text);
-    }
-}
-
-/// Pixels that a small text may take, in a broad font.
-pub fn text_width(text: &str) -> f64 {
-    let letters = text.chars().map(|c| match c {
-        'i' | 'j' | 'l' | 't' | 'f' | 'r' | 'I' | ' ' | '.' | ',' | ':' | '(' | ')' | '|' => 0.38,
-        'm' | 'w' | 'M' | 'W' | '%' | '…' => 0.95,
-        c if c.is_uppercase() => 0.72,
-        _ => 0.62,
-    });
-    SMALL.size * letters.sum::<f64>()
-}
-
-/// A coordinate: tenths of a pixel, whole ones without a point.
-struct Px(f64);
-
-impl fmt::Display for Px {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Adding zero takes the sign from a negative zero.
-        write!(f, "{}", (10.0 * self.0).round() / 10.0 + 0.0)
-    }
-}
-
-/// Two opposite corners as the attributes of a rectangle.
-struct Corners([Place; 2]);
-
-impl fmt::Display for Corners {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [a, b] = self.0;
-        write!(
-            f,
-            " x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"",
-            Px(a[0].min(b[0])),
-            Px(a[1].min(b[1])),
-            Px((a[0] - b[0]).abs()),
-            Px((a[1] - b[1]).abs())
-        )
-    }
-}
-
-/// `text` so that markup reads it as text; what is hidden is spelled out, as in terminals.
-pub fn escaped(text: &str) -> String {
-    let mut out = String::new();
-    for c in visible_lines(text).chars() {
-        match c {
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '&' => out.push_str("&amp;"),
-            '"' => out.push_str("&quot;"),
-            c if c.is_control() => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
-// Marks that stand for a value, and the key that says what they mean.
-
-/// Something that stands for one value.
-#[derive(Clone, Copy)]
-pub enum Mark {
-    /// A filled dot.
-    Dot(Color),
-    /// A hollow dot.
-    Ring(Color),
-    /// A filled square.
-    Square(Color),
-    /// A hollow square.
-    Box(Color),
-    /// An upright stroke.
-    Stroke(Color),
-    /// A line of this width.
-    Line(Color, f64),
-}
-
-impl Mark {
-    /// Half of its width, pixels.
-    fn half(self) -> f64 {
-        match self {
-            Mark::Line(..) => 9.0,
-            Mark::Stroke(_) => 2.0,
-            _ => 4.5,
-        }
-    }
-}
-
-impl Figure {
-    /// Draw a mark.
-    pub fn mark(&mut self, [x, y]: Place, mark: Mark) {
-        let half = mark.half();
-        let corners = |half: f64| [[x - half, y - half], [x + half, y + half]];
-        match mark {
-            Mark::Dot(color) => self.dot([x, y], 3.25, color),
-            Mark::Ring(color) => self.ring([x, y], color),
-            Mark::Square(color) => self.fill(corners(half), color, 1.0),
-            Mark::Box(color) => {
-                self.fill(corners(half), color, 1.0);
-                self.fill(corners(half - 1.5), PAPER, 1.0);
-            }
-            Mark::Stroke(color) => self.line([[x, y - 6.5], [x, y + 6.5]], color, 2.5),
-            Mark::Line(color, width) => self.line([[x - half, y], [x + half, y]], color, width),
-        }
-    }
-}
-
-/// Marks and what they mean, side by side, ending at `right` pixels and centred at
-/// `middle`.
-pub fn key(figure: &mut Figure, right: f64, middle: f64, items: &[(Mark, &str)]) {
-    const TO_NAME: f64 = 6.0;
-    const TO_NEXT: f64 = 14.0;
-    let mut right = right;
-    for (mark, name) in items.iter().rev() {
-        let left = right - text_width(name);
-        figure.note([left, middle], Anchor::Start, INK, name);
-        let centre = left - TO_NAME - mark.half();
-        figure.mark([centre, middle], *mark);
-        right = centre - mark.half() - TO_NEXT;
-    }
-}
-
-// Parts of a figure of a robot.
-
-impl Figure {
-    /// A figure of a page that has others, from which it takes its colours: without style and
-    /// ground of its own.
-    pub fn plain(size: [f64; 2], label: &str) -> Figure {
-        let [width, height] = size.map(f64::ceil);
-        Figure {
-            size,
-            svg: format!(
-                "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
-                 width=\"{width}\" height=\"{height}\" font-size=\"{}\" role=\"img\" \
-                 aria-label=\"{}\">\n",
-                SMALL.size,
-                escaped(label)
-            ),
-        }
     }
 
     /// Elements that belong together; `attributes` are written as they are.
@@ -412,11 +277,6 @@ impl Figure {
         let _ = writeln!(self.svg, "<g {attributes}>");
         draw(self);
         self.svg.push_str("</g>\n");
-    }
-
-    /// What stands for posture `k` of the page: a script finds it by this.
-    pub fn posture(&mut self, k: usize, draw: impl FnOnce(&mut Figure)) {
-        self.group(&format!("data-p=\"{k}\""), draw);
     }
 
     /// A mark that stands for no posture: a script tells a pointer these words.
@@ -429,59 +289,20 @@ impl Figure {
         let _ = writeln!(self.svg, "<title>{}</title>", escaped(name));
     }
 
-    /// All points within half a width of a line.
-    pub fn capsule(&mut self, ends: [Place; 2], width: f64, color: Color) {
-        let [[a, b], [c, d]] = ends.map(|[x, y]| [Px(x), Px(y)]);
-        self.element(
-            &ends,
-            format_args!(
-                "<path class=\"{}\" d=\"M{a} {b}L{c} {d}\" stroke=\"currentColor\" \
-                 stroke-width=\"{}\" stroke-linecap=\"round\"/>",
-                color.name,
-                Px(width)
-            ),
-        );
-    }
-
-    /// A dashed line.
-    pub fn dashed(&mut self, ends: [Place; 2], color: Color, width: f64) {
-        let [[a, b], [c, d]] = ends.map(|[x, y]| [Px(x), Px(y)]);
-        self.element(
-            &ends,
-            format_args!(
-                "<path class=\"{}\" d=\"M{a} {b}L{c} {d}\" stroke=\"currentColor\" \
-                 stroke-width=\"{width}\" stroke-dasharray=\"3 3\"/>",
-                color.name
-            ),
-        );
-    }
-
     /// The sign of a centre of mass: a quartered disc.
-    pub fn centre_of_mass(&mut self, [x, y]: Place) {
+    pub fn centre_of_mass(&mut self, at: Place) {
         const R: f64 = 7.0;
-        self.dot([x, y], R + 1.5, PAPER);
-        self.dot([x, y], R, INK);
-        let quarter = |sx: f64, sy: f64| {
-            let [from, to] = [[x + sx * (R - 1.5), y], [x, y + sy * (R - 1.5)]];
-            let r = R - 1.5;
-            format!(
-                "M{} {}L{} {}A{r} {r} 0 0 1 {} {}Z",
-                Px(x),
-                Px(y),
-                Px(from[0]),
-                Px(from[1]),
-                Px(to[0]),
-                Px(to[1])
-            )
+        const INSIDE: f64 = R - 1.5;
+        self.dot(at, R + 1.5, PAPER);
+        self.dot(at, R, INK);
+        let quarter = |side: f64| {
+            let [x, y] = at.map(Px);
+            let [right, low] = at.map(|x| Px(x + side * INSIDE));
+            format!("M{x} {y}L{right} {y}A{INSIDE} {INSIDE} 0 0 1 {x} {low}Z")
         };
-        let path = quarter(1.0, 1.0) + &quarter(-1.0, -1.0);
-        self.element(
-            &[[x, y]],
-            format_args!(
-                "<path class=\"{}\" d=\"{path}\" fill=\"currentColor\"/>",
-                PAPER.name
-            ),
-        );
+        let path = quarter(1.0) + &quarter(-1.0);
+        let filled = format_args!("d=\"{path}\" fill=\"currentColor\"");
+        self.element("path", PAPER.name, &[at], filled);
     }
 
     /// A line with a head where it is long enough for one.
@@ -504,16 +325,59 @@ impl Figure {
         };
         self.polygon(&[tip, corner(1.0), corner(-1.0)], color);
     }
+}
 
-    /// A text that stays readable on whatever is under it.
-    pub fn haloed(&mut self, at: Place, anchor: Anchor, font: Type, color: Color, text: &str) {
-        let attributes = format!(
-            "class=\"{}\" stroke=\"currentColor\" stroke-width=\"5\" aria-hidden=\"true\"",
-            PAPER.name
-        );
-        self.group(&attributes, |figure| {
-            figure.text(at, anchor, font, PAPER, text);
-        });
-        self.text(at, anchor, font, color, text);
+/// Pixels that a small text may take, in a broad font.
+pub fn text_width(text: &str) -> f64 {
+    let letters = text.chars().map(|c| match c {
+        'i' | 'j' | 'l' | 't' | 'f' | 'r' | 'I' | ' ' | '.' | ',' | ':' | '(' | ')' | '|' => 0.38,
+        'm' | 'w' | 'M' | 'W' | '%' | '…' => 0.95,
+        c if c.is_uppercase() => 0.72,
+        _ => 0.62,
+    });
+    SMALL.size * letters.sum::<f64>()
+}
+
+/// A coordinate: tenths of a pixel, whole ones without a point.
+#[derive(Clone, Copy)]
+struct Px(f64);
+
+impl fmt::Display for Px {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Adding zero takes the sign from a negative zero.
+        write!(f, "{}", (10.0 * self.0).round() / 10.0 + 0.0)
     }
+}
+
+/// Two opposite corners as the attributes of a rectangle.
+struct Corners([Place; 2]);
+
+impl fmt::Display for Corners {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [a, b] = self.0;
+        write!(
+            f,
+            "x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"",
+            Px(a[0].min(b[0])),
+            Px(a[1].min(b[1])),
+            Px((a[0] - b[0]).abs()),
+            Px((a[1] - b[1]).abs())
+        )
+    }
+}
+
+/// `text` so that markup reads it as text; what is hidden is spelled out, as in terminals.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::new();
+    for c in visible_lines(text).chars() {
+        match c {
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '&' => out.push_str("&amp;"),
+            '"' => out.push_str("&quot;"),
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
 }

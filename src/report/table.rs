@@ -118,55 +118,33 @@ impl Table {
         format!("{self}{}", and_more(more))
     }
 
-    fn column(&self, k: usize) -> Column {
+    /// Width of a column, and whether it is one of numbers.
+    fn column(&self, k: usize) -> (usize, bool) {
         let cells = || self.rows.iter().map(|row| row[k].as_str());
-        let widest = cells().map(width).max().unwrap_or(0);
-        Column {
-            width: widest.max(width(&self.headers[k])),
-            numeric: cells().any(is_number)
-                && cells().all(|cell| cell.is_empty() || is_number(cell)),
-        }
+        let all = cells().chain([self.headers[k].as_str()]);
+        let widest = all.map(|cell| cell.chars().count()).max();
+        let is_numeric =
+            cells().any(is_number) && cells().all(|cell| cell.is_empty() || is_number(cell));
+        (widest.unwrap_or(0), is_numeric)
     }
 }
 
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let columns: Vec<Column> = (0..self.headers.len()).map(|k| self.column(k)).collect();
-        let rules: Vec<String> = columns
-            .iter()
-            .map(|column| "─".repeat(column.width))
-            .collect();
+        let columns: Vec<_> = (0..self.headers.len()).map(|k| self.column(k)).collect();
+        let rules = columns.iter().map(|(width, _)| "─".repeat(*width));
+        let rules: Vec<String> = rules.collect();
         for row in [&self.headers, &rules].into_iter().chain(&self.rows) {
-            let cells: Vec<String> = columns
-                .iter()
-                .zip(row)
-                .map(|(column, cell)| column.pad(cell))
-                .collect();
-            writeln!(f, "{}", cells.join(GAP).trim_end())?;
+            let cells = columns.iter().zip(row);
+            let cells = cells.map(|((width, is_numeric), cell)| match is_numeric {
+                true => format!("{cell:>width$}"),
+                false => format!("{cell:<width$}"),
+            });
+            let line = cells.collect::<Vec<String>>().join(GAP);
+            writeln!(f, "{}", line.trim_end())?;
         }
         Ok(())
     }
-}
-
-/// How a column is set.
-struct Column {
-    width: usize,
-    numeric: bool,
-}
-
-impl Column {
-    fn pad(&self, cell: &str) -> String {
-        let space = " ".repeat(self.width - width(cell));
-        if self.numeric {
-            space + cell
-        } else {
-            cell.to_string() + &space
-        }
-    }
-}
-
-fn width(cell: &str) -> usize {
-    cell.chars().count()
 }
 
 fn is_number(cell: &str) -> bool {
@@ -229,6 +207,28 @@ pub fn wrapped_at(text: &str, indent: &str, most: usize) -> String {
         length += count;
     }
     out
+}
+
+/// A length in hundredths of a millimetre, as columns of numbers have it.
+pub fn hundredths(metres: f64) -> String {
+    minus(&format!("{:.2}", 1e3 * metres))
+}
+
+/// A position of a joint with its unit: degrees, or mm of a prismatic one.
+pub fn position(value: f64, is_prismatic: bool) -> String {
+    let (value, unit) = match is_prismatic {
+        true => (1e3 * value, " mm"),
+        false => (value.to_degrees(), "°"),
+    };
+    minus(&format!("{:.0}{unit}", value.round() + 0.0))
+}
+
+/// `1 posture`, `2 postures`.
+pub fn count(n: usize, what: &str) -> String {
+    match n {
+        1 => format!("1 {what}"),
+        n => format!("{n} {what}s"),
+    }
 }
 
 /// `joint offset`: a name of programs as people read it.

@@ -1,14 +1,10 @@
 //! The gap on the sole, seen from above: arrows from where the CoP was predicted to
 //! where it was measured.
 
-use super::super::svg::{Anchor, Axes, BAND, Color, Figure, HEADING, INK, MUTED, Mark, Place};
-use super::super::svg::{ORANGE, key, same_scale, span};
+use super::super::plot::{Mark, Panel, Point, outline, series, span};
+use super::super::svg::{Anchor, BAND, Color, INK, MUTED, ORANGE, SMALL};
 use super::super::table::mm;
-use super::to_mm;
-
-/// Size of a figure in a pair, and of the one beside the robot, pixels.
-const PAIR: [f64; 2] = [480.0, 448.0];
-const BESIDE: [f64; 2] = [340.0, 340.0];
+use super::{HALF, to_mm};
 
 /// One reading and what was predicted there, m.
 pub struct Gap {
@@ -35,28 +31,16 @@ impl Arrows {
     /// Draw the arrows before (0) or after (1) the correction; both figures have the
     /// same scale.
     pub fn draw(&self, which: usize, title: &str, color: Color) -> String {
-        self.figure(which, title, color, PAIR)
+        self.figure(which, title, color, false)
     }
 
     /// The arrows before the correction, for a script to shorten: what it needs for that
     /// stands in attributes of their group.
     pub fn beside_the_robot(&self, title: &str) -> String {
-        self.figure(0, title, ORANGE, BESIDE)
+        self.figure(0, title, ORANGE, true)
     }
 
-    fn figure(&self, which: usize, title: &str, color: Color, size: [f64; 2]) -> String {
-        let beside = size == BESIDE;
-        let edges = [
-            if beside { 34.0 } else { 48.0 },
-            32.0,
-            size[0] - 8.0,
-            size[1] - 36.0,
-        ];
-        let label = format!(
-            "{title}: arrows from the predicted to the measured CoP of {} readings, mm",
-            self.gaps.len()
-        );
-        let mut figure = Figure::new(size, &label);
+    fn figure(&self, which: usize, title: &str, color: Color, beside: bool) -> String {
         let gain = self.gain();
         let tail = |gap: &Gap, which: usize| {
             let [from, to] = [gap.predicted[which], gap.measured];
@@ -68,66 +52,56 @@ impl Arrows {
                 [to_mm(gap.measured[axis]), tails[0], tails[1]]
             });
             let foot = self.foot.iter().flatten().chain(&self.sole);
-            span(ends.chain(foot.map(move |at| to_mm(at[axis]))))
+            Some(span(ends.chain(foot.map(move |at| to_mm(at[axis])))))
         };
-        let [x, y] = same_scale([reach(0), reach(1)], edges);
-        let plane = Axes {
-            title,
-            x,
-            y,
-            x_name: "x, mm (y upwards)",
-            ticks: if beside { [5, 7] } else { [7, 7] },
-            edges,
-        }
-        .draw(&mut figure);
-        if let Some(corners) = self.foot {
-            let [low, high] = corners.map(|corner| plane.at(corner.map(to_mm)));
-            figure.outline([low, high], BAND);
-            let place = [low[0], high[1] - 9.0];
-            figure.note(place, Anchor::Start, MUTED, "cells of the foot");
-        }
-        let sole: Vec<Place> = (self.sole.iter().chain(self.sole.first()))
-            .map(|corner| plane.at(corner.map(to_mm)))
-            .collect();
-        figure.line(sole, MUTED, 1.5);
-        for (place, meant) in &self.cells {
-            let [x, y] = plane.at(place.map(to_mm));
-            let color = if *meant { ORANGE } else { BAND };
-            figure.fill([[x - 6.0, y - 6.0], [x + 6.0, y + 6.0]], color, 1.0);
-        }
-        let attributes = match beside {
-            true => format!("data-gain=\"{gain}\" {}", plane.attributes()),
-            false => "data-still=\"\"".to_string(),
-        };
-        figure.group(&attributes, |figure| {
-            for (k, gap) in self.gaps.iter().enumerate() {
-                let [tail, tip] =
-                    [tail(gap, which), gap.measured.map(to_mm)].map(|at| plane.at(at));
-                if tail.iter().chain(&tip).all(|x| x.is_finite()) {
-                    figure.posture(k, |figure| {
-                        figure.arrow(tail, tip, color);
-                        figure.dot(tip, 1.3, INK);
-                        if gap.outlier {
-                            figure.boxed(tip, 5.0);
-                        }
-                    });
-                }
-            }
-        });
-        if self.gaps.is_empty() {
-            let place = [edges[0] + 20.0, edges[1] + 20.0];
-            figure.note(place, Anchor::Start, MUTED, "no readings at hand");
-        }
+        let numbered = self.gaps.iter().enumerate();
+        let tip = |k: usize, gap: &Gap| Point::posture(k, gap.measured.map(to_mm));
+        let outliers = self.gaps.iter().filter(|gap| gap.outlier);
+        let outliers = outliers.map(|gap| Point::from(gap.measured.map(to_mm)));
         // Of two axes.
         let rms = mm(self.rms[which] / 2.0_f64.sqrt());
-        let text = match gain > 1.0 {
+        let said = match gain > 1.0 {
             _ if beside => format!("gap × {gain}"),
             true => format!("{rms} mm RMS per axis, drawn × {gain}"),
             false => format!("{rms} mm RMS per axis"),
         };
-        let marks = [(Mark::Line(color, 1.5), text.as_str())];
-        key(&mut figure, edges[2], edges[1] - HEADING, &marks);
-        figure.finish()
+        let drawn = numbered.map(|(k, gap)| tip(k, gap).coming_from(tail(gap, which)));
+        let sole = self.sole.iter().chain(self.sole.first());
+        let cells = [(false, BAND), (true, ORANGE)].map(|(wanted, color)| {
+            let own = self.cells.iter().filter(|(_, meant)| *meant == wanted);
+            let own = own.map(|(at, _)| Point::from(at.map(to_mm)));
+            series(Mark::Square(color, 12.0), own)
+        });
+        let foot = self.foot.iter().flat_map(|corners| {
+            let [low, high] = corners.map(|corner| corner.map(to_mm));
+            let name = Point::worded("cells of the foot", [low[0], high[1]]);
+            let beside = Mark::Words(MUTED, SMALL, Anchor::Start, [0.0, -9.0]);
+            [outline(BAND, [low, high]), series(beside, [name])]
+        });
+        let all = foot
+            .chain([series(Mark::Line(MUTED, 1.5), sole.map(|at| at.map(to_mm)))])
+            .chain(cells)
+            .chain([
+                series(Mark::Arrow(color, beside.then_some(gain)), drawn).named(said),
+                series(Mark::Frame(INK, 10.0), outliers),
+            ]);
+        let panel = Panel {
+            title: title.to_string(),
+            x: reach(0),
+            y: reach(1),
+            x_name: "x, mm (y upwards)".to_string(),
+            ticks: if beside { [5, 7] } else { [7, 7] },
+            height: if beside { 272.0 } else { 380.0 },
+            is_map: true,
+            series: all.collect(),
+            nothing: "no readings at hand",
+            ..Panel::default()
+        };
+        let label = format!(
+            "{title}: arrows from the predicted to the measured CoP of {} readings, mm",
+            self.gaps.len()
+        );
+        panel.alone(if beside { 340.0 } else { HALF }, label)
     }
 
     /// How much longer arrows are drawn than gaps are: alike before and after.

@@ -1,48 +1,45 @@
 //! What is wrong with data, row by row.
 
-use super::super::svg::{Axes, Figure, HEADING, MUTED, Mark, ORANGE, key, span};
+use super::super::plot::{Mark, Panel, Point, series};
+use super::super::svg::{MUTED, ORANGE};
 use sesc_identify::health::{Picture, Row};
 
 /// One number over the rows of a log, the rows that are meant apart; `posture` is the number
 /// under which a page shows a row's posture, if it does.
 pub fn health(picture: &Picture, posture: impl Fn(&Row) -> Option<usize>) -> String {
-    const EDGES: [f64; 4] = [52.0, 32.0, 704.0, 206.0];
     let meant = picture.points.iter().filter(|point| point.2).count();
+    let last = picture.points.last().map_or(1, |point| point.0);
+    let mut rows = picture.rows.iter().peekable();
+    let mut points = [Vec::new(), Vec::new()];
+    for point in &picture.points {
+        let (number, value, meant) = *point;
+        while rows.next_if(|row| row.number != number).is_some() {}
+        let at = [number as f64, value];
+        points[usize::from(meant)].push(match rows.peek().and_then(|row| posture(row)) {
+            Some(k) => Point::posture(k, at),
+            None => Point::worded(format!("row {number} · {}", said(picture, &[*point])), at),
+        });
+    }
+    let kinds = [Mark::Ring(MUTED), Mark::dot(ORANGE)]
+        .into_iter()
+        .zip(points);
+    let all = kinds.zip(picture.marks());
+    let all = all.map(|((mark, points), name)| series(mark, points).named(name));
+    let panel = Panel {
+        title: picture.title.clone(),
+        x: Some(0.0..(last + 1) as f64),
+        x_name: "row".to_string(),
+        ticks: [8, 5],
+        height: 174.0,
+        series: all.collect(),
+        ..Panel::default()
+    };
     let label = format!(
         "{} over {} rows, of which the finding is about {meant}",
         picture.title,
         picture.points.len()
     );
-    let mut figure = Figure::new([720.0, 244.0], &label);
-    let last = picture.points.last().map_or(1, |point| point.0);
-    let plane = Axes {
-        title: &picture.title,
-        x: 0.0..(last + 1) as f64,
-        y: span(picture.points.iter().map(|point| point.1)),
-        x_name: "row",
-        ticks: [8, 5],
-        edges: EDGES,
-    }
-    .draw(&mut figure);
-    let (row, found) = (Mark::Ring(MUTED), Mark::Dot(ORANGE));
-    let mut rows = picture.rows.iter().peekable();
-    for point in &picture.points {
-        let (at, value, meant) = *point;
-        while rows.next_if(|row| row.number != at).is_some() {}
-        if !value.is_finite() {
-            continue;
-        }
-        let mark = if meant { found } else { row };
-        let draw = |figure: &mut Figure| figure.mark(plane.at([at as f64, value]), mark);
-        match rows.peek().and_then(|row| posture(row)) {
-            Some(k) => figure.posture(k, draw),
-            None => figure.worded(&format!("row {at} · {}", said(picture, &[*point])), draw),
-        }
-    }
-    let [other, meant] = picture.marks();
-    let marks = [(row, other), (found, meant)];
-    key(&mut figure, EDGES[2], EDGES[1] - HEADING, &marks);
-    figure.finish()
+    panel.alone(720.0, label)
 }
 
 /// What a row's `points` show, in words: `CoP x, mm: CAD 12.3, reading 14`.

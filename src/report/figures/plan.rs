@@ -3,68 +3,48 @@
 #[cfg(test)]
 mod tests;
 
-use super::super::svg::{Anchor, Axes, BAND, BLUE, Figure, GRID, HEADING, INK, MUTED, Mark, key};
-use super::super::svg::{same_scale, span};
-use super::super::table::mm;
-use super::to_mm;
+use super::super::plot::{Mark, Panel, Point, segments, series, span};
+use super::super::svg::{Anchor, BAND, BLUE, Figure, GRID, INK, MUTED, SMALL};
+use super::super::table::{mm, position};
+use super::{HALF, to_mm};
 use sesc_identify::plan::Efficiency;
 use sesc_identify::plan::JointUse;
 use sesc_identify::plan::Plan;
 use sesc_model::text::apart;
 
-// Where the CoP of the planned postures is, and where it may be.
-
-const REGION_EDGES: [f64; 4] = [40.0, 32.0, 334.0, 306.0];
-
-/// The sole plane from above: a dot per posture, in their order along a thin line.
+/// Where the CoP of the planned postures is, and where it may be: the sole plane from above, a dot
+/// per posture, in their order along a thin line.
 pub fn region(plan: &Plan) -> String {
+    let places = || plan.cop.iter().map(|at| at.map(to_mm));
+    let allowed = plan.corners.iter().chain(plan.corners.first());
+    let points = places().enumerate().map(|(k, at)| Point::posture(k, at));
+    let panel = Panel {
+        title: "CoP from above, mm".to_string(),
+        x_name: "x, forward; y, left".to_string(),
+        ticks: [5, 6],
+        height: 272.0,
+        is_map: true,
+        series: vec![
+            series(Mark::Line(GRID, 1.0), places()),
+            series(Mark::Line(INK, 1.5), allowed.map(|at| at.map(to_mm))).named("allowed"),
+            series(Mark::dot(BLUE), points).named("posture"),
+        ],
+        ..Panel::default()
+    };
     let label = format!(
         "CoP of {} planned postures on the sole, mm, within {}",
         plan.cop.len(),
         plan.cop_region
     );
-    let mut figure = Figure::new([340.0, 340.0], &label);
-    let reach = |axis: usize| {
-        let points = plan.corners.iter().chain(&plan.cop);
-        span(points.map(|point| to_mm(point[axis])))
-    };
-    let [x, y] = same_scale([reach(0), reach(1)], REGION_EDGES);
-    let plane = Axes {
-        title: "CoP from above, mm",
-        x,
-        y,
-        x_name: "x, forward",
-        ticks: [5, 6],
-        edges: REGION_EDGES,
-    }
-    .draw(&mut figure);
-    let place = [REGION_EDGES[0] + 6.0, REGION_EDGES[1] + 8.0];
-    figure.note(place, Anchor::Start, MUTED, "y, left");
-    let at = |point: &[f64; 2]| plane.at(point.map(to_mm));
-    figure.line(plan.cop.iter().map(at), GRID, 1.0);
-    let closed = plan.corners.iter().chain(plan.corners.first());
-    figure.line(closed.map(at), INK, 1.5);
-    for (k, point) in plan.cop.iter().enumerate() {
-        figure.posture(k, |figure| figure.mark(at(point), Mark::Dot(BLUE)));
-    }
-    let marks = [(Mark::Dot(BLUE), "posture"), (Mark::Box(INK), "allowed")];
-    key(
-        &mut figure,
-        REGION_EDGES[2],
-        REGION_EDGES[1] - HEADING,
-        &marks,
-    );
-    figure.finish()
+    panel.alone(340.0, label)
 }
 
-// The error to expect over the number of postures, planned and at random.
-
-const CURVE_EDGES: [f64; 4] = [44.0, 32.0, 470.0, 366.0];
 /// Random postures that hardly tell all directions are off by anything: what is
 /// higher than so many times the last of them is not drawn.
 const HIGHEST: f64 = 6.0;
 
-/// Planned postures and as many random ones of the same candidates.
+/// The error to expect over the number of postures: planned ones, and as many random ones of the
+/// same candidates.
 pub fn efficiency(curve: &[Efficiency]) -> String {
     let label = match curve.last() {
         Some(last) => format!(
@@ -75,125 +55,92 @@ pub fn efficiency(curve: &[Efficiency]) -> String {
         ),
         None => "Expected error over the number of postures: not known".to_string(),
     };
-    let mut figure = Figure::new([480.0, 400.0], &label);
     let highest = curve.last().map_or(0.0, |last| HIGHEST * last.random);
-    let of = |pick: fn(&Efficiency) -> f64| {
-        let low = move |point: &&Efficiency| pick(point) <= highest;
-        let place = move |point: &Efficiency| [point.postures as f64, to_mm(pick(point))];
-        curve.iter().filter(low).map(place)
+    let of = |pick: fn(&Efficiency) -> f64| -> Vec<[f64; 2]> {
+        let low = curve.iter().filter(|point| pick(point) <= highest);
+        low.map(|point| [point.postures as f64, to_mm(pick(point))])
+            .collect()
     };
-    let (mut planned, mut random) = (of(|point| point.planned), of(|point| point.random));
-    let both = || planned.clone().chain(random.clone());
-    let x = span(both().map(|point| point[0]));
-    let y = span(both().map(|point| point[1]).chain([0.0]));
-    let plane = Axes {
-        title: "Expected error of the CoP, mm",
-        x: x.start.max(0.0)..x.end,
-        y: y.start.max(0.0)..y.end,
-        x_name: "postures",
-        ticks: [6, 6],
-        edges: CURVE_EDGES,
-    }
-    .draw(&mut figure);
-    if curve.is_empty() {
-        let place = [CURVE_EDGES[0] + 20.0, CURVE_EDGES[1] + 20.0];
-        let why = "these postures leave directions open";
-        figure.note(place, Anchor::Start, MUTED, why);
-        return figure.finish();
-    }
-    figure.line(random.clone().map(|point| plane.at(point)), MUTED, 1.75);
-    figure.line(planned.clone().map(|point| plane.at(point)), BLUE, 1.75);
+    let [random, planned] = [of(|point| point.random), of(|point| point.planned)];
+    let reach = |axis: usize| {
+        let all = random.iter().chain(&planned).map(|at| at[axis]);
+        let range = span(all.chain((axis == 1).then_some(0.0)));
+        Some(range.start.max(0.0)..range.end)
+    };
+    let mut all = Vec::new();
     // One number above its line, one below.
-    let ends = [
-        ("random", random.next_back(), Mark::Ring(MUTED), -13.0),
-        ("planned", planned.next_back(), Mark::Dot(BLUE), 13.0),
-    ];
-    for (name, point, mark, beside) in ends {
-        let Some(point) = point else { continue };
-        let [right, middle] = plane.at(point);
-        let text = format!("{} mm", mm(1e-3 * point[1]));
-        let words = format!("{} {name} postures · {text} of error expected", point[0]);
-        figure.worded(&words, |figure| figure.mark([right, middle], mark));
-        figure.note([right, middle + beside], Anchor::End, INK, &text);
+    for (name, places, color, mark, beside) in [
+        ("random", &random, MUTED, Mark::Ring(MUTED), -13.0),
+        ("planned", &planned, BLUE, Mark::dot(BLUE), 13.0),
+    ] {
+        let curve = series(Mark::Line(color, 1.75), places.iter().copied());
+        all.push(curve.named(name));
+        if let Some(&end @ [postures, error]) = places.last() {
+            let said = format!("{} mm", mm(1e-3 * error));
+            let words = format!("{postures} {name} postures · {said} of error expected");
+            all.push(series(mark, [Point::worded(words, end)]));
+            let beside = Mark::Words(INK, SMALL, Anchor::End, [0.0, beside]);
+            all.push(series(beside, [Point::worded(said, end)]));
+        }
     }
-    let marks = [
-        (Mark::Line(MUTED, 1.75), "random"),
-        (Mark::Line(BLUE, 1.75), "planned"),
-    ];
-    key(
-        &mut figure,
-        CURVE_EDGES[2],
-        CURVE_EDGES[1] - HEADING,
-        &marks,
-    );
-    figure.finish()
+    let panel = Panel {
+        title: "Expected error of the CoP, mm".to_string(),
+        x: reach(0),
+        y: reach(1),
+        x_name: "postures".to_string(),
+        ticks: [6, 6],
+        height: 332.0,
+        series: all,
+        nothing: "these postures leave directions open",
+        ..Panel::default()
+    };
+    panel.alone(HALF, label)
 }
 
-// How much of its range every joint uses, each in units of that range.
-
-const ROW: f64 = 20.0;
-const TOP: f64 = 32.0;
-const LEFT: f64 = 236.0;
-const RIGHT: f64 = 910.0;
 /// Letters of a joint before its row.
 const NAME: usize = 23;
 /// Ticks that stay apart.
 const MOST: usize = 120;
 
-/// One row per joint: a band for what is allowed, a tick per posture.
+/// How much of its range every joint uses, each in units of that range: a band for what is
+/// allowed, a tick per posture.
 pub fn joints(rows: &[JointUse]) -> String {
-    let count = rows.len().max(1) as f64;
-    let bottom = TOP + ROW * count;
-    let label = format!("Ranges of {} joints: allowed and used", rows.len());
-    let mut figure = Figure::new([1000.0, bottom + 10.0], &label);
-    let plane = Axes {
-        title: "Joint ranges",
-        x: 0.0..1.0,
-        y: -count..0.0,
-        x_name: "",
-        ticks: [0, 0],
-        edges: [LEFT, TOP, RIGHT, bottom],
-    }
-    .draw(&mut figure);
-    let names: Vec<&str> = rows.iter().map(|row| row.joint.as_str()).collect();
-    let names = apart(&names, NAME);
-    for (k, row) in rows.iter().enumerate() {
-        let at = |x: f64| plane.at([x, -(k as f64) - 0.5]);
-        let [_, middle] = at(0.0);
-        figure.note([170.0, middle], Anchor::End, INK, &names[k]);
-        let [low, high] = row.limits.map(|limit| number(limit, row.prismatic));
-        figure.note([LEFT - 10.0, middle], Anchor::End, MUTED, &low);
-        figure.note([RIGHT + 10.0, middle], Anchor::Start, MUTED, &high);
-        let wide = row.limits[1] - row.limits[0];
-        let share = |value: f64| match wide > 0.0 {
-            true => ((value - row.limits[0]) / wide).clamp(0.0, 1.0),
-            false => 0.5,
+    let (mut allowed, mut used, mut ticks) = (Vec::new(), Vec::new(), Vec::new());
+    let mut limits = [Vec::new(), Vec::new()];
+    for (row, k) in rows.iter().zip(0..) {
+        let at = |share: f64| [share, -f64::from(k) - 0.5];
+        let [lower, upper] = row.limits;
+        let share = |value: &f64| match upper > lower {
+            true => at(((value - lower) / (upper - lower)).clamp(0.0, 1.0)),
+            false => at(0.5),
         };
-        figure.line([at(0.0), at(1.0)], BAND, 5.0);
-        figure.line(row.used.map(|value| at(share(value))), BLUE, 1.75);
         let step = row.values.len().div_ceil(MOST).max(1);
-        let ticks = row.values.iter().step_by(step).map(|value| {
-            let [x, y] = at(share(*value));
-            [[x, y - 4.5], [x, y + 4.5]]
-        });
-        figure.lines(ticks, BLUE, 1.0);
+        allowed.push([at(0.0), at(1.0)]);
+        used.push(row.used.each_ref().map(share));
+        ticks.extend(row.values.iter().step_by(step).map(share));
+        for (end, limit) in row.limits.into_iter().enumerate() {
+            let limit = position(limit, row.prismatic);
+            limits[end].push(Point::worded(limit, at(end as f64)));
+        }
     }
-    let marks = [
-        (Mark::Line(BAND, 5.0), "allowed"),
-        (Mark::Stroke(BLUE), "posture"),
-    ];
-    key(&mut figure, RIGHT, TOP - HEADING, &marks);
-    figure.finish()
-}
-
-/// A limit with its unit: degrees, or mm of a prismatic joint.
-fn number(limit: f64, prismatic: bool) -> String {
-    let (value, unit) = match prismatic {
-        true => (1e3 * limit, " mm"),
-        false => (limit.to_degrees(), "°"),
+    let [low, high] = limits;
+    let names: Vec<&str> = rows.iter().map(|row| row.joint.as_str()).collect();
+    let panel = Panel {
+        title: "Joint ranges".to_string(),
+        x: Some(-0.1..1.1),
+        rows: apart(&names, NAME),
+        height: 20.0 * rows.len().max(1) as f64,
+        series: vec![
+            series(Mark::Words(MUTED, SMALL, Anchor::End, [-10.0, 0.0]), low),
+            series(Mark::Words(MUTED, SMALL, Anchor::Start, [10.0, 0.0]), high),
+            segments(BAND, 5.0, allowed).named("allowed"),
+            segments(BLUE, 1.75, used),
+            series(Mark::Stroke(BLUE, [9.0, 1.0]), ticks).named("posture"),
+        ],
+        ..Panel::default()
     };
-    let text = format!("{:.0}{unit}", value + 0.0);
-    text.replace('-', "−")
+    let label = format!("Ranges of {} joints: allowed and used", rows.len());
+    panel.alone(1000.0, label)
 }
 
 // A bar for what is used of a range, with a tick per posture.

@@ -73,11 +73,7 @@ impl Pictured<'_> {
             let mut figure = Figure::new([WIDTH, bottom + UNDER], &label);
             figure.title(13.0, name);
             let view = View::new(cameras[k], extents[k], scale, [left, right, bottom]);
-            let drawing = Drawing {
-                pictured: self,
-                view: &view,
-            };
-            drawing.draw(&mut figure);
+            self.draw(&mut figure, &view);
             let axis = [["its right", "its left"], ["back", "front"]][k];
             let low = bottom + 18.0;
             figure.note([left, low], Anchor::Start, MUTED, axis[0]);
@@ -232,66 +228,60 @@ pub fn scale(extents: &[[[f64; 2]; 2]], size: [f64; 2]) -> f64 {
 /// Arrows of CoMs are this long at most, pixels.
 const ARROW: f64 = 46.0;
 
-pub struct Drawing<'a, 's> {
-    pub pictured: &'a Pictured<'s>,
-    pub view: &'a View,
-}
-
-impl Drawing<'_, '_> {
-    pub fn draw(&self, figure: &mut Figure) {
-        let skeleton = self.pictured.skeleton;
-        let q = self.pictured.postures.get(self.pictured.shown);
+impl Pictured<'_> {
+    fn draw(&self, figure: &mut Figure, view: &View) {
+        let skeleton = self.skeleton;
+        let q = self.postures.get(self.shown);
         let placed = skeleton.place(q.copied().unwrap_or_default());
-        self.ground(figure);
-        let camera = &self.view.camera;
-        let (right, up, near) = (camera.right, camera.up, camera.near);
+        self.ground(figure, view);
+        let Camera { right, up, near } = view.camera;
         let of = |v: [f64; 3]| format!("{} {} {}", v[0], v[1], v[2]);
         let attributes = format!(
             "data-view=\"{} {} {} {:.3} {:.2} {:.2}\"",
             of(right),
             of(up),
             of(near),
-            self.view.scale,
-            self.view.origin[0],
-            self.view.origin[1]
+            view.scale,
+            view.origin[0],
+            view.origin[1]
         );
         figure.group(&attributes, |figure| {
             let mut order: Vec<(f64, usize)> = (skeleton.capsules.iter().enumerate())
-                .map(|(k, capsule)| (depth(self.view, &placed, capsule), k))
+                .map(|(k, capsule)| (depth(view, &placed, capsule), k))
                 .collect();
             order.sort_by(|a, b| a.0.total_cmp(&b.0));
             for (_, k) in order {
-                self.capsule(figure, &placed, k);
+                self.capsule(figure, view, &placed, k);
             }
-            self.joints(figure, &placed);
-            self.centre(figure, &placed);
+            self.joints(figure, view, &placed);
+            self.centre(figure, view, &placed);
         });
-        self.moved(figure, &placed);
-        self.names(figure, &placed);
+        self.moved(figure, view, &placed);
+        self.names(figure, view, &placed);
     }
 
     /// The floor, and where on it the CoP was.
-    fn ground(&self, figure: &mut Figure) {
-        let level = self.view.at([0.0; 3])[1];
+    fn ground(&self, figure: &mut Figure, view: &View) {
+        let level = view.at([0.0; 3])[1];
         figure.fill([[EDGES[0], level], [EDGES[2], level + 5.0]], GRID, 1.0);
-        let sole = &self.pictured.skeleton.sole;
+        let sole = &self.skeleton.sole;
         let along: Vec<f64> = (sole.iter())
-            .map(|[x, y]| self.view.at([*x, *y, 0.0])[0])
+            .map(|[x, y]| view.at([*x, *y, 0.0])[0])
             .collect();
         let low = along.iter().copied().fold(f64::INFINITY, f64::min);
         let high = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if high > low {
             figure.fill([[low, level], [high, level + 5.0]], MUTED, 1.0);
         }
-        for [x, y] in &self.pictured.cop {
-            figure.dot([self.view.at([*x, *y, 0.0])[0], level + 2.5], 1.2, INK);
+        for [x, y] in &self.cop {
+            figure.dot([view.at([*x, *y, 0.0])[0], level + 2.5], 1.2, INK);
         }
     }
 
-    fn capsule(&self, figure: &mut Figure, placed: &Placed<'_>, k: usize) {
-        let capsule = &self.pictured.skeleton.capsules[k];
-        let ends = placed.ends(capsule).map(|end| self.view.at(end));
-        let width = (2.0 * self.view.scale * capsule.radius).max(2.0);
+    fn capsule(&self, figure: &mut Figure, view: &View, placed: &Placed<'_>, k: usize) {
+        let capsule = &self.skeleton.capsules[k];
+        let ends = placed.ends(capsule).map(|end| view.at(end));
+        let width = (2.0 * view.scale * capsule.radius).max(2.0);
         let (color, edge) = self.colors(capsule);
         figure.group(&format!("data-c=\"{k}\""), |figure| {
             figure.capsule(ends, width + 2.0, edge);
@@ -301,7 +291,7 @@ impl Drawing<'_, '_> {
 
     /// Colour of a capsule and of its edge.
     fn colors(&self, capsule: &Capsule) -> (Color, Color) {
-        let marks = &self.pictured.marks;
+        let marks = &self.marks;
         let moved = marks.moved.iter().find(|(link, _)| *link == capsule.link);
         match (capsule.part, moved) {
             (Part::Bone, _) => (BAND, MUTED),
@@ -312,13 +302,13 @@ impl Drawing<'_, '_> {
         }
     }
 
-    fn joints(&self, figure: &mut Figure, placed: &Placed<'_>) {
-        let marks = &self.pictured.marks;
-        for (k, body) in self.pictured.skeleton.bodies.iter().enumerate() {
+    fn joints(&self, figure: &mut Figure, view: &View, placed: &Placed<'_>) {
+        let marks = &self.marks;
+        for (k, body) in self.skeleton.bodies.iter().enumerate() {
             let Some(joint) = &body.joint else {
                 continue;
             };
-            let at = self.view.at(placed.joint(k));
+            let at = view.at(placed.joint(k));
             let meant = marks.every_joint || marks.joints.iter().any(|(own, _)| *own == k);
             figure.group(&format!("data-j=\"{k}\""), |figure| {
                 figure.called(joint);
@@ -338,10 +328,10 @@ impl Drawing<'_, '_> {
     }
 
     /// The CoM as it is drawn on blueprints, and the plumb line under it.
-    fn centre(&self, figure: &mut Figure, placed: &Placed<'_>) {
+    fn centre(&self, figure: &mut Figure, view: &View, placed: &Placed<'_>) {
         let com = placed.com();
-        let at = self.view.at(com);
-        let foot = self.view.at([com[0], com[1], 0.0]);
+        let at = view.at(com);
+        let foot = view.at([com[0], com[1], 0.0]);
         figure.group("data-drop=\"\"", |figure| {
             figure.dashed([at, foot], INK, 1.25);
         });
@@ -349,8 +339,8 @@ impl Drawing<'_, '_> {
     }
 
     /// Arrows from where CoMs were to where they are, drawn longer.
-    fn moved(&self, figure: &mut Figure, placed: &Placed<'_>) {
-        let arrows = &self.pictured.marks.arrows;
+    fn moved(&self, figure: &mut Figure, view: &View, placed: &Placed<'_>) {
+        let arrows = &self.marks.arrows;
         let length = |[from, to]: &[[f64; 3]; 2]| {
             (0..3)
                 .map(|axis| (to[axis] - from[axis]).powi(2))
@@ -364,34 +354,34 @@ impl Drawing<'_, '_> {
         if longest <= 0.0 || !longest.is_finite() {
             return;
         }
-        let gain = ARROW / (self.view.scale * longest);
+        let gain = ARROW / (view.scale * longest);
         for (body, [from, to]) in arrows {
             let tip = [0, 1, 2].map(|axis| from[axis] + gain * (to[axis] - from[axis]));
             let [tail, tip] = [*from, tip].map(|end| [end, placed.point(*body, end)]);
             let ends = [tail[0], tip[0]].map(|[x, y, z]| format!("{x:.5} {y:.5} {z:.5}"));
             let attributes = format!("data-a=\"{body} {}\"", ends.join(" "));
             figure.group(&attributes, |figure| {
-                figure.arrow(self.view.at(tail[1]), self.view.at(tip[1]), ORANGE);
+                figure.arrow(view.at(tail[1]), view.at(tip[1]), ORANGE);
             });
         }
     }
 
     /// Names of the joints and links that are meant, beside them and apart from each other.
-    fn names(&self, figure: &mut Figure, placed: &Placed<'_>) {
+    fn names(&self, figure: &mut Figure, view: &View, placed: &Placed<'_>) {
         let mut taken: Vec<f64> = Vec::new();
-        let marks = &self.pictured.marks;
+        let marks = &self.marks;
         // A joint is the origin of its body.
         let joints = marks.joints.iter();
         let joints = joints.map(|(body, name)| (*body, name, [0.0; 3]));
         let links = marks.links.iter().filter_map(|name| {
             let own = |capsule: &&Capsule| capsule.part == Part::Link && capsule.link == *name;
-            let capsule = self.pictured.skeleton.capsules.iter().find(own)?;
+            let capsule = self.skeleton.capsules.iter().find(own)?;
             let [a, b] = capsule.ends;
             let middle = [0, 1, 2].map(|axis| (a[axis] + b[axis]) / 2.0);
             Some((capsule.body, name, middle))
         });
         for (body, name, point) in joints.chain(links) {
-            let at = self.view.at(placed.point(body, point));
+            let at = view.at(placed.point(body, point));
             let wide = text_width(name) * 1.08;
             let left = at[0] + 14.0 + wide < WIDTH - 4.0;
             let x = match left {

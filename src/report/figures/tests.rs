@@ -49,9 +49,9 @@ fn figures_are_sound_and_say_their_numbers_and_names() {
     says(&texts, &["theory 0.71 mm", "42 from flat CoP", "33.6 mm"]);
     // Names are escaped, and long ones are shortened.
     says(&texts, &["|<b>&\"foot\"|", "|a_link_wi…long_name|"]);
-    // The paper, 42 seen, 1 height, 20 hollow ones of two squares each; the key has 1 + 1 + 2.
+    // The paper, 42 seen, 1 height, 20 hollow ones; the key has one of each kind.
     let squares = parameters(&report).matches("<rect").count();
-    assert_eq!(squares, 1 + 42 + 1 + 2 * 20 + 4);
+    assert_eq!(squares, 1 + 42 + 1 + 20 + 3);
 }
 
 #[test]

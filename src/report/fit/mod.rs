@@ -16,6 +16,7 @@ use sesc_identify::fit::{self, Identification};
 use sesc_identify::health::Finding;
 use sesc_identify::skeleton::Skeleton;
 
+use crate::report::figures::fit::moved;
 use crate::report::next_steps::Worded;
 
 pub use page::page;
@@ -106,9 +107,8 @@ impl Shown {
         let mut deviations = vec![0.0_f64; skeleton.bodies.len()];
         for (known, param) in found.parameters.iter().zip(&model.base.params) {
             let (Column::Axis { body, .. } | Column::Prismatic { body }) = param.column;
-            if let Some(std) = known.std.filter(|std| *std > 0.0) {
-                let own = ((known.value - known.cad) / std).abs();
-                deviations[body] = deviations[body].max(own);
+            if let Some(own) = moved(known) {
+                deviations[body] = deviations[body].max(own.abs());
             }
         }
         Shown {

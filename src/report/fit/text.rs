@@ -2,15 +2,15 @@
 
 use std::fmt::Write as _;
 
+use crate::report::figures::fit::moved;
 use crate::report::next_steps::{self, Worded};
-use crate::report::soles;
-use crate::report::table::{self, LISTED, Table, chance, gathered, lines, listed, wrapped};
+use crate::report::table::{
+    self, LISTED, Table, chance, gathered, hundredths as mm, lines, listed, wrapped,
+};
+use crate::report::{Fact, about_data};
 use sesc_identify::fit::corrected::Corrected;
 use sesc_identify::fit::{Identification, ParameterFound};
 use sesc_model::text::{minus, visible};
-
-/// A name, and what is said of it.
-type Fact = (&'static str, String);
 
 /// Fewer degrees of freedom than this are mentioned.
 const FEW: f64 = 50.0;
@@ -103,10 +103,7 @@ fn parameters(found: &Identification, long: bool) -> String {
     let mut parameters: Vec<&ParameterFound> = found.parameters.iter().collect();
     let all = long || parameters.len() <= LISTED;
     if !all {
-        let moved = |own: &ParameterFound| {
-            let std = own.std.filter(|std| *std > 0.0);
-            std.map_or(0.0, |std| ((own.value - own.cad) / std).abs())
-        };
+        let moved = |own| moved(own).map_or(0.0, f64::abs);
         parameters.sort_by(|a, b| moved(b).total_cmp(&moved(a)));
     }
     for parameter in parameters {
@@ -137,18 +134,14 @@ fn facts(found: &Identification) -> (Vec<Fact>, Vec<Fact>) {
         ("rank", format!("{rank}, condition number {condition:.0}")),
         ("prior", found.prior.clone()),
         ("noise", format!("{noise}, {}", source(found))),
-        ("samples", found.samples.sentence()),
     ];
-    let motion = Some(&found.motion.sentence).filter(|motion| !motion.is_empty());
-    facts.extend(motion.map(|motion| ("motion", motion.clone())));
-    facts.extend(
-        found
-            .again
-            .iter()
-            .map(|own| ("reach again", own.sentence.clone())),
-    );
-    facts.extend(found.closure.iter().map(|own| ("soles", soles(own))));
-    facts.extend(found.visits.iter().map(|own| ("visits", own.sentence())));
+    facts.extend(about_data(
+        found.samples.sentence(),
+        &found.motion,
+        found.again.as_ref(),
+        found.closure.as_ref(),
+        found.visits.as_ref(),
+    ));
     let mut first = Vec::new();
     if let Some(test) = found.lack_of_fit {
         let verdict = match test.p_value {
@@ -198,10 +191,6 @@ fn source(found: &Identification) -> String {
         Some(df) => format!("{from} with {df:.0} degrees of freedom"),
         None => from.to_string(),
     }
-}
-
-fn mm(x: f64) -> String {
-    minus(&format!("{:.2}", 1e3 * x))
 }
 
 /// The console's account of a corrected URDF: links that changed, by how much.
