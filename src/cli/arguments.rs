@@ -10,6 +10,7 @@ use sesc_identify::fit::MotionModel;
 use sesc_identify::fit::prior::{Prior, PriorChoice};
 use sesc_identify::logs::{Angles, LogSource, Stays};
 use sesc_identify::robot::{Robot, Stance};
+use sesc_identify::skeleton::Skeleton;
 use sesc_model::tree::sole_of;
 use sesc_model::{Model, ModelFile, Snapping};
 
@@ -47,7 +48,7 @@ pub(super) struct ReadingArguments {
     #[arg(long, value_name = "tight|cad|free|FILE")]
     pub(super) prior: Option<String>,
     /// Standard deviation of a single reading on one axis, m; from the log unless given
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::deviation_m)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::metres(units::NOISIEST_M))]
     pub(super) noise: Option<f64>,
     /// Compare readings with the ZMP where a log with `t` knows accelerations, or take all as
     /// those of standing postures
@@ -76,7 +77,7 @@ pub(super) struct DiagnosisArguments {
         long,
         value_name = "M",
         default_value = "0.0001",
-        allow_negative_numbers = true, value_parser = units::deviation_m
+        allow_negative_numbers = true, value_parser = units::metres(units::NOISIEST_M)
     )]
     pub(super) floor: f64,
 }
@@ -164,7 +165,7 @@ pub(super) struct StandingArguments {
     /// Height of the support link's origin over its sole, along z, m, where it is not in the sole.
     /// `--support foot --sole-height 0.04` is short for `--support foot@40mm`, which sidecars,
     /// build scripts and sesc.toml take, too
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::length_m)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::metres(units::LARGEST_M))]
     sole_height: Option<f64>,
     /// Take decimals of right angles (1.5708) literally
     #[arg(long)]
@@ -200,6 +201,18 @@ impl StandingArguments {
             ));
         }
         Ok(typed.robot)
+    }
+
+    /// The robot on a support link as pages draw it, with the meshes beside its URDF.
+    pub(super) fn skeleton(
+        &self,
+        robot: &Robot,
+        support: &str,
+        urdf: Option<&Path>,
+    ) -> Result<Skeleton, Error> {
+        let model = robot.model(support, self.snapping(), None)?;
+        let folder = urdf.and_then(Path::parent);
+        Ok(Skeleton::of(&model, &robot.description, folder))
     }
 
     pub(super) fn snapping(&self) -> Snapping {

@@ -9,7 +9,6 @@ use sesc_identify::diagnose::{Verdict, diagnose};
 use sesc_identify::files;
 use sesc_identify::logs::LogSource;
 use sesc_identify::robot::Robot;
-use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
 
 use super::defaults::Typed;
@@ -89,8 +88,8 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         .writes(Kind::Page, &arguments.report)
         .prints(arguments.json)
         .check_writable()?;
-    let robot = arguments.urdf.as_deref();
-    let robot = robot
+    let urdf = arguments.urdf.as_deref();
+    let robot = urdf
         .map(|urdf| arguments.standing.robot(urdf))
         .transpose()?;
     let robot = robot.map(Arc::new);
@@ -114,12 +113,13 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         of_logs,
     );
     let about = About {
-        urdf: arguments.urdf.as_deref(),
+        urdf,
         ..About::default()
     };
     let next_steps = &about.worded(&steps)[..];
     if let Some(path) = &arguments.report {
-        let drawn = robot.map(|robot| skeleton(arguments, &robot, &comparison.support));
+        let standing = &arguments.standing;
+        let drawn = robot.map(|robot| standing.skeleton(&robot, &comparison.support, urdf));
         let drawn = drawn.transpose()?;
         let files = [&models[0], &models[1]];
         let page = page(
@@ -228,10 +228,4 @@ fn model(
     let mut model = report.model_file;
     model.file = path.display().to_string();
     Ok(Some(model))
-}
-
-fn skeleton(arguments: &Arguments, robot: &Robot, support: &str) -> Result<Skeleton, Error> {
-    let model = robot.model(support, arguments.standing.snapping(), None)?;
-    let folder = arguments.urdf.as_ref().and_then(|path| path.parent());
-    Ok(Skeleton::of(&model, &robot.description, folder))
 }

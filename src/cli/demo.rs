@@ -10,13 +10,12 @@ use sesc_identify::robot::Robot;
 use sesc_identify::simulate;
 use sesc_identify::simulate::hide;
 use sesc_model::Snapping;
-use sesc_model::text::minus;
 
 use super::outputs::{Files, Kind};
 use super::{Bar, Outcome, command_line, message, print_json, show, steps};
 use crate::demo::{self, Demo};
 use crate::report::next_steps::{self, Worded};
-use crate::report::table::{Table, wrapped};
+use crate::report::table::{Table, hundredths as mm, wrapped};
 use crate::report::{self, DemoReport, HiddenAct};
 use crate::{Error, OP2_URDF};
 
@@ -236,9 +235,4 @@ fn second_act(hidden: &HiddenAct) -> String {
         wrapped(&found.sentence, "   "),
         hidden.judged
     )
-}
-
-/// Millimetres, to hundredths.
-fn mm(metres: f64) -> String {
-    minus(&format!("{:.2}", 1e3 * metres))
 }

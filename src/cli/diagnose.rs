@@ -13,11 +13,11 @@ use super::{
 };
 use crate::Error;
 use crate::report::diagnose::{DiagnoseReport, ModelUse, page, text};
+use crate::report::origin::Origin;
 use crate::report::unusable;
 use crate::servos;
 use sesc_identify::NextStep;
 use sesc_identify::diagnose::{self, Report, Request, Verdict};
-use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose robots/op2/op2.urdf --data log.csv\n  \
@@ -142,10 +142,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         }
         let mut files = Together::default();
         if let Some(path) = &arguments.report {
-            let drawn = skeleton(&request, &report.diagnosis.support)?;
-            let (made, line) = (&report.model_file, command_line());
-            let text = unusable::page_of_diagnosis(&printed, made, Some(&drawn), &line);
-            files.add(path, &text?)?;
+            let RobotArguments { urdf, standing } = &arguments.robot;
+            let support = &report.diagnosis.support;
+            let drawn = standing.skeleton(&request.robot, support, Some(urdf))?;
+            let (found, line) = (&report.diagnosis, command_line());
+            let page = unusable::page(
+                &Origin::of_diagnosis(found, &report.model_file, &line),
+                &found.support,
+                (&found.samples, found.postures as u64),
+                &found.health,
+                printed.next_steps,
+                Some(&drawn),
+            );
+            files.add(path, &page?)?;
         }
         files.finish()?;
     }
@@ -198,13 +207,6 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.total_mass = arguments.total_mass;
     request.view = arguments.report.is_some();
     Ok(request)
-}
-
-/// The robot of a request on its support link, as pages draw it.
-fn skeleton(request: &Request, support: &str) -> Result<Skeleton, Error> {
-    let model = request.robot.model(support, request.snapping, None)?;
-    let folder = request.meshes.as_deref();
-    Ok(Skeleton::of(&model, &request.robot.description, folder))
 }
 
 fn write(

@@ -14,6 +14,7 @@ use super::{
 };
 use crate::Error;
 use crate::report::fit::{self as report, FitReport, Shown, Unusable, page};
+use crate::report::origin::Origin;
 use crate::report::unusable;
 use sesc_identify::NextStep;
 use sesc_identify::fit::Loss;
@@ -208,10 +209,19 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         if let Some(path) = &arguments.report {
             let drawn = Skeleton::of(&found.model, &found.robot.description, folder);
             let (found, line) = (&found.identification, command_line());
-            files.add(
-                path,
-                &unusable::page_of_fit(found, next_steps, Some(&drawn), &line)?,
-            )?;
+            let (origin, data) = (
+                Origin::of_fit(found, &line),
+                (&found.samples, found.postures),
+            );
+            let page = unusable::page(
+                &origin,
+                &found.support,
+                data,
+                &found.health,
+                next_steps,
+                Some(&drawn),
+            );
+            files.add(path, &page?)?;
         }
         files.finish()?;
         match arguments.json {

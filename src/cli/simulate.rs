@@ -29,7 +29,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DEG", value_parser = super::units::range_deg)]
     range: Option<f64>,
     /// Standard deviation of the CoP noise, m
-    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = super::units::deviation_m)]
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = super::units::metres(super::units::NOISIEST_M))]
     noise: f64,
     /// Let the robot move through the ranges of its joints and log so many rows per second,
     /// with a column `t`; else postures are at rest

@@ -5,12 +5,12 @@ use sesc_identify::logs::Stays;
 use sesc_identify::robot::Robot;
 
 /// No sensor of a robot that stands is noisier, m.
-const NOISIEST_M: f64 = 0.1;
+pub(super) const NOISIEST_M: f64 = 0.1;
 /// No sole, and no height above it that a plan keeps clear, is larger, m; who wants no bound
 /// gives a metre.
-const LARGEST_M: f64 = 2.0;
+pub(super) const LARGEST_M: f64 = 2.0;
 /// No sole leaves room for a margin so wide, m.
-const WIDEST_M: f64 = 0.25;
+pub(super) const WIDEST_M: f64 = 0.25;
 /// No joint is drawn from more than a turn either way, degrees.
 const TURN_DEG: f64 = 360.0;
 /// No encoder of a robot is read more often, Hz.
@@ -39,25 +39,15 @@ pub fn check(keyword: &str, value: f64) -> Result<(), String> {
     }
 }
 
-/// A standard deviation of a reading, m.
-pub(super) fn deviation_m(text: &str) -> Result<f64, String> {
-    parsed(text, "metres", |x| check_m(x, NOISIEST_M))
+/// A length of the robot or of a reading, up to `most` metres.
+pub(super) fn metres(most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| parsed(text, "metres", |x| check_m(x, most))
 }
 
 /// How long a robot holds still, s.
 pub(super) fn stays(text: &str) -> Result<Stays, String> {
     let seconds = text.parse();
     Stays::settled(seconds.map_err(|_| "give a number of seconds".to_string())?)
-}
-
-/// A length on the robot's scale, m.
-pub(super) fn length_m(text: &str) -> Result<f64, String> {
-    parsed(text, "metres", |x| check_m(x, LARGEST_M))
-}
-
-/// A distance from the edge of a sole, m.
-pub(super) fn margin_m(text: &str) -> Result<f64, String> {
-    parsed(text, "metres", |x| check_m(x, WIDEST_M))
 }
 
 /// A range of joint angles, degrees.
@@ -138,10 +128,11 @@ mod tests {
     #[test]
     fn numbers_that_no_unit_makes_likely_have_a_bound() {
         for far in ["inf", "-inf", "1e300", "5000"] {
-            let said = length_m(far).unwrap_err();
+            let said = metres(LARGEST_M)(far).unwrap_err();
             assert_eq!(said, "give metres, 2 at most", "{far}");
         }
         // What is not a number passes on to the command's own check.
+        let length_m = metres(LARGEST_M);
         assert!(length_m("nan").unwrap().is_nan() && length_m("x").is_err());
         assert_eq!(range_deg("360"), Ok(360.0));
         assert_eq!(range_deg("1e300").unwrap_err(), "give degrees, 360 at most");

@@ -3,20 +3,19 @@
 #[cfg(test)]
 mod tests;
 
-use minijinja::value::Value;
+use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
 use super::figures::fit::deviations;
-use super::figures::robot::Marks;
-use super::fleet::{mark_effect, standing};
 use super::html::render;
 use super::next_steps::{self, Worded};
 use super::origin::recorded;
+use super::robot::{Card, Marked};
 use super::table::{Table, chance, in_words};
 use sesc_identify::compare::{Change, Comparison, Difference, EffectChange};
 use sesc_identify::diagnose::words::spoken;
 use sesc_identify::skeleton::Skeleton;
-use sesc_model::effects::{Target, Unit};
+use sesc_model::effects::Unit;
 use sesc_model::{DataUsed, ModelFile};
 
 /// `comparison` of the files named `before` and `after`.
@@ -146,7 +145,7 @@ pub fn page(
         noise => comparison.noise_floor.to_vec(),
         effects => comparison.effects.iter().map(effect).collect::<Vec<Value>>(),
         figure => Value::from_safe_string(deviations("From before to after, std", rows.collect())),
-        parameters => comparison.parameters.iter().map(parameter).collect::<Vec<Value>>(),
+        parameters => Serde(&comparison.parameters),
         origin => context! { command },
     };
     render("compare.html", context)
@@ -169,23 +168,14 @@ fn file_name(path: &str) -> &str {
 
 /// What changed, on the robot.
 fn card(comparison: &Comparison, skeleton: &Skeleton) -> Value {
-    let mut marks = Marks::default();
-    let mut said = Vec::new();
-    for own in comparison
-        .effects
-        .iter()
-        .filter(|own| own.change != Change::Same)
-    {
-        if mark_effect(&mut marks, skeleton, &own.effect, &own.target) {
-            let what = format!("{} {}", in_words(&own.effect), change(own));
-            said.push(match own.target.as_str() {
-                Target::ALL_JOINTS => format!("every joint ({what})"),
-                target => format!("`{}` ({what})", target.replace(',', "`, `")),
-            });
-        }
+    let mut marked = Marked::default();
+    let effects = comparison.effects.iter();
+    for own in effects.filter(|own| own.change != Change::Same) {
+        let what = format!("{} {}", in_words(&own.effect), change(own));
+        marked.point(skeleton, &own.effect, &own.target, &what);
     }
     let nothing = "No joint and no link has an effect that changed.";
-    standing(skeleton, marks, &said, nothing, Vec::new())
+    Card::standing(skeleton, marked, nothing, Vec::new()).context()
 }
 
 fn effect(own: &EffectChange) -> Value {
@@ -203,15 +193,5 @@ fn effect(own: &EffectChange) -> Value {
         target => &own.target,
         change => change(own),
         sizes => own.parameters.iter().map(size).collect::<Vec<Value>>(),
-    }
-}
-
-fn parameter(own: &Difference) -> Value {
-    context! {
-        name => &own.name,
-        before => own.before,
-        after => own.after,
-        std => own.std,
-        z => judged(own),
     }
 }

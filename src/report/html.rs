@@ -37,9 +37,7 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     environment.add_filter("verbatim", verbatim);
     environment.add_filter("chance", table::chance);
     // Columns of a table line up at the point.
-    environment.add_filter("hundredths", |metres: f64| {
-        minus(&format!("{:.2}", 1e3 * metres))
-    });
+    environment.add_filter("hundredths", table::hundredths);
     environment.add_filter("digits", |value: f64, digits: usize| {
         minus(&format!("{value:.digits$}"))
     });

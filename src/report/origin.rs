@@ -13,11 +13,11 @@ const EPOCH_S: [f64; 2] = [1e9, 1e11];
 
 /// What a page is made of.
 #[derive(Default)]
-pub(super) struct Origin<'a> {
+pub struct Origin<'a> {
     /// Name of the robot, and the hash of its URDF.
     pub robot: [&'a str; 2],
-    /// Names, rows and hashes of logs.
-    pub logs: Vec<(&'a str, u64, &'a str)>,
+    /// Logs, with the hash of each.
+    pub logs: Vec<Value>,
     /// First and last `t` of the logs, s.
     pub times: Option<[f64; 2]>,
     /// The command that makes the page again; empty from the library.
@@ -28,10 +28,13 @@ impl<'a> Origin<'a> {
     /// Of a fit.
     pub fn of_fit(found: &'a Identification, command: &'a str) -> Origin<'a> {
         let times = found.data.iter().filter_map(|log| log.times);
-        let logs = found.data.iter();
         Origin {
             robot: [&found.robot, &found.hash],
-            logs: logs.map(|log| (&*log.file, log.rows, &*log.hash)).collect(),
+            logs: found
+                .data
+                .iter()
+                .map(|log| Value::from(Serde(log)))
+                .collect(),
             times: times.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]),
             command,
         }
@@ -39,10 +42,13 @@ impl<'a> Origin<'a> {
 
     /// Of a diagnosis; `made` says of which robot and data it is.
     pub fn of_diagnosis(found: &Diagnosis, made: &'a ModelFile, command: &'a str) -> Origin<'a> {
-        let logs = made.data.iter();
         Origin {
             robot: [&made.robot, &made.hash],
-            logs: logs.map(|log| (&*log.file, log.rows, &*log.hash)).collect(),
+            logs: made
+                .data
+                .iter()
+                .map(|log| Value::from(Serde(log)))
+                .collect(),
             times: found.times,
             command,
         }
@@ -53,7 +59,7 @@ impl<'a> Origin<'a> {
         context! {
             robot => self.robot[0],
             hash => self.robot[1],
-            logs => Serde(&self.logs),
+            logs => &self.logs,
             recorded => self.times.and_then(recorded),
             command => self.command,
         }

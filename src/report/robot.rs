@@ -1,8 +1,6 @@
 //! The robot on top of a page: its pictures, what is marked on them, and the postures that a
 //! script may show it in.
 
-use std::collections::BTreeMap;
-
 use minijinja::{Value, context};
 use serde_json::{Value as Json, json};
 
@@ -10,6 +8,8 @@ use super::figures::robot::{Marks, Pictured};
 use sesc_identify::diagnose::view::chosen;
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::chain::Body;
+use sesc_model::effects::about::{TargetKind, about};
+use sesc_model::effects::{Catalog, Target};
 use sesc_model::text::visible_lines;
 use sesc_model::tree::{Coordinate, Motion};
 
@@ -57,6 +57,68 @@ pub struct Correction {
     pub names: [&'static str; 2],
 }
 
+/// What is marked on a robot, and what is said of it.
+#[derive(Default)]
+pub struct Marked {
+    pub marks: Marks,
+    pub said: Vec<String>,
+}
+
+impl Marked {
+    /// Mark what an `effect` acts on, joints where it is none; whether the robot has it.
+    pub fn mark(&mut self, skeleton: &Skeleton, effect: &str, target: &str) -> bool {
+        let effects = about(&Catalog::standard());
+        let named = effects.iter().find(|known| known.name == effect);
+        let of_link = named.is_some_and(|effect| effect.target == TargetKind::Link);
+        let marks = &mut self.marks;
+        let mut any = false;
+        for target in target.split(',') {
+            any |= match skeleton.carried_by(target) {
+                _ if target == Target::ALL_JOINTS => {
+                    !std::mem::replace(&mut marks.every_joint, true)
+                }
+                _ if of_link && skeleton.body_of(target).is_some() => {
+                    marks.links.push(target.to_string());
+                    true
+                }
+                Some(body) => {
+                    let named = (body, target.to_string());
+                    // Of two things said of a joint its name is written once.
+                    if !marks.joints.contains(&named) {
+                        marks.joints.push(named);
+                    }
+                    true
+                }
+                None => false,
+            };
+        }
+        any
+    }
+
+    /// Mark it and say `what` it is.
+    pub fn point(&mut self, skeleton: &Skeleton, effect: &str, target: &str, what: &str) {
+        if self.mark(skeleton, effect, target) {
+            self.say(target, what);
+        }
+    }
+
+    /// Say what is the matter with a target that is marked.
+    pub fn say(&mut self, target: &str, what: &str) {
+        self.said.push(match target {
+            Target::ALL_JOINTS => format!("every joint ({what})"),
+            target => format!("`{}` ({what})", target.replace(',', "`, `")),
+        });
+    }
+
+    /// All that is said of it in a sentence, or that there is nothing.
+    pub fn sentence(&self, nothing: &str) -> String {
+        match self.said.is_empty() {
+            true => nothing.to_string(),
+            false => format!("Orange: {}.", self.said.join("; ")),
+        }
+    }
+}
+
 /// The robot of a page.
 pub struct Card<'a> {
     pub skeleton: &'a Skeleton,
@@ -72,7 +134,33 @@ pub struct Card<'a> {
     pub correction: Correction,
 }
 
-impl Card<'_> {
+impl<'a> Card<'a> {
+    /// The robot in one of `postures`, or with all joints at zero where there are none, with what
+    /// is said of the marks on it.
+    pub fn standing(
+        skeleton: &'a Skeleton,
+        marked: Marked,
+        nothing: &str,
+        postures: Vec<Shown>,
+    ) -> Card<'a> {
+        let at = match postures.is_empty() {
+            true => "all joints at zero",
+            false => "the joints as they were read",
+        };
+        Card {
+            skeleton,
+            postures,
+            apart: Vec::new(),
+            beside: None,
+            caption: format!(
+                "{} Quartered disc: centre of mass by CAD, with its plumb line; {at}.",
+                marked.sentence(nothing)
+            ),
+            marks: marked.marks,
+            correction: Correction::default(),
+        }
+    }
+
     /// What `robot.html` takes.
     pub fn context(self) -> Value {
         let cop = self
@@ -248,29 +336,21 @@ fn joints(skeleton: &Skeleton) -> Vec<Json> {
 
 fn posture(shown: &Shown) -> Json {
     let place = |at: &[f64; 2]| json!(all(at, 6));
-    let mut fields = BTreeMap::from([("pose", json!(shown.pose)), ("q", json!(all(&shown.q, 4)))]);
-    if let Some(measured) = &shown.measured {
-        fields.insert("measured", place(measured));
-    }
-    if let Some(predicted) = &shown.predicted {
-        fields.insert(
-            "predicted",
-            json!(predicted.iter().map(place).collect::<Vec<Json>>()),
-        );
-    }
-    if shown.outlier {
-        fields.insert("outlier", json!(1));
-    }
-    if let Some(planned) = &shown.planned {
-        fields.insert("planned", place(planned));
-    }
-    if let Some(row) = &shown.row {
-        fields.insert("row", json!(row));
-    }
-    if !shown.said.is_empty() {
-        fields.insert("said", json!(shown.said));
-    }
-    json!(fields)
+    let predicted = |both: &[[f64; 2]; 2]| json!(both.each_ref().map(place));
+    let fields = [
+        ("pose", Some(json!(shown.pose))),
+        ("q", Some(json!(all(&shown.q, 4)))),
+        ("measured", shown.measured.as_ref().map(place)),
+        ("predicted", shown.predicted.as_ref().map(predicted)),
+        ("outlier", shown.outlier.then(|| json!(1))),
+        ("planned", shown.planned.as_ref().map(place)),
+        ("row", shown.row.as_ref().map(|row| json!(row))),
+        ("said", (!shown.said.is_empty()).then(|| json!(shown.said))),
+    ];
+    let known = fields.into_iter();
+    known
+        .filter_map(|(name, value)| Some((name.to_string(), value?)))
+        .collect()
 }
 
 /// The same with what is hidden in names spelled out, since the script shows them.

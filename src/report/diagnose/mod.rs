@@ -57,14 +57,6 @@ fn effect(step: &Step) -> String {
     in_words(step.effect)
 }
 
-/// `1 posture`, `2 postures`.
-fn count(n: usize, what: &str) -> String {
-    match n {
-        1 => format!("1 {what}"),
-        n => format!("{n} {what}s"),
-    }
-}
-
 /// Where to make a change, and how sure it is that it is right.
 fn where_to(verdict: Verdict) -> &'static str {
     match verdict {

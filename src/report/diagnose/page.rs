@@ -5,15 +5,14 @@ use std::path::Path;
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
-use super::{DiagnoseReport, ModelUse, count, effect, parameters, servo, where_to};
+use super::{DiagnoseReport, ModelUse, effect, parameters, servo, where_to};
 use crate::report::data::{Data, visits};
 use crate::report::figures::diagnose as figures;
-use crate::report::figures::robot::Marks;
 use crate::report::health::Posed;
 use crate::report::html::render;
 use crate::report::origin::Origin;
-use crate::report::robot::{Card, Correction, Shown};
-use crate::report::table::mm;
+use crate::report::robot::{Card, Correction, Marked, Shown};
+use crate::report::table::{count, mm};
 use crate::report::{next_steps, soles};
 use sesc_identify::diagnose::view::{DiagnosisView, Posture};
 use sesc_identify::diagnose::{ActsOn, Blind, CLASS_SCORE, Diagnosis, OVER_NOTHING, Step, Verdict};
@@ -62,11 +61,11 @@ pub fn page(
         more_outliers => found.outliers.len().saturating_sub(POSES),
         blind => spots(&found.blind),
         bearing => spots(&found.detectable),
-        experiments => experiments(found),
+        separations => found.next_postures.experiments.iter().take(EXPERIMENTS)
+            .map(|own| separations(&own.separations)).collect::<Vec<String>>(),
         next_file => file_name(found),
         next => next_steps::context(report.next_steps),
         where_to => where_to(found.verdict),
-        changes => changes(found),
         model_use => report.model_use.as_ref().and_then(model_use),
         rest => view.trends_of_rest,
         named => view.by_position.iter().any(|trend| trend.named),
@@ -162,15 +161,13 @@ fn verdict(verdict: Verdict) -> &'static str {
     }
 }
 
+/// What the template says of each effect in words.
 fn steps(found: &Diagnosis) -> Vec<Value> {
     let row = |step: &Step| {
         context! {
             effect => effect(step),
-            target => &step.target,
             parameters => parameters(step),
-            before => step.rmse_before,
-            after => step.rmse_after,
-            evidence => format!("{:.0}", step.evidence),
+            servo => servo(&step.remedy),
         }
     };
     found.steps.iter().map(row).collect()
@@ -195,47 +192,16 @@ fn model_use(model_use: &ModelUse) -> Option<Value> {
     })
 }
 
-/// What to change for each effect.
-fn changes(found: &Diagnosis) -> Vec<Value> {
-    let row = |step: &Step| {
-        let remedy = &step.remedy;
-        context! {
-            effect => effect(step),
-            target => &step.target,
-            sentence => &remedy.sentence,
-            servo => servo(remedy),
-            urdf => Serde(&remedy.urdf),
-            not_in_urdf => &remedy.not_in_urdf,
-        }
-    };
-    found.steps.iter().map(row).collect()
-}
-
 /// Each explanation with the odds against it, the best one's being even.
 fn class(found: &Diagnosis) -> Vec<Value> {
     let row = |member: &sesc_identify::diagnose::Member| {
         context! {
             effects => &member.subjects,
-            sentence => &member.sentence,
-            score_difference => format!("{:.1}", member.score_difference),
             odds => format!("1 : {:.0}", (0.5 * member.score_difference).exp().max(1.0)),
             com_apart => member.com_apart.map_or("–".to_string(), mm),
         }
     };
     found.class.iter().map(row).collect()
-}
-
-/// What could be done to tell the class apart, the best first.
-fn experiments(found: &Diagnosis) -> Vec<Value> {
-    let all = found.next_postures.experiments.iter();
-    let row = |experiment: &sesc_identify::diagnose::ExperimentProposal| {
-        context! {
-            what => &experiment.what,
-            splits => experiment.splits,
-            separations => separations(&experiment.separations),
-        }
-    };
-    all.take(EXPERIMENTS).map(row).collect()
 }
 
 /// Without the folders of this machine.
@@ -264,7 +230,11 @@ const NAMED: usize = 4;
 
 /// The robot with its joints, links and cells marked that the explanation names.
 pub fn card<'a>(found: &Diagnosis, view: &'a DiagnosisView) -> Card<'a> {
-    let suspects = suspects(&found.steps, &view.skeleton);
+    let (marked, cells) = suspects(&found.steps, &view.skeleton);
+    let suspects = marked.sentence(match found.steps.is_empty() {
+        true => "No joint, link or cell is suspected.",
+        false => "What is suspected is no joint and no link: sensor, ground or masses.",
+    });
     let shown = |row: &Posture| Shown {
         pose: row.pose,
         q: row.q.clone(),
@@ -275,18 +245,17 @@ pub fn card<'a>(found: &Diagnosis, view: &'a DiagnosisView) -> Card<'a> {
     };
     let postures = view.postures.len();
     let caption = format!(
-        "{} Quartered disc: centre of mass, with its plumb line; dots on the floor: CoP of \
+        "{suspects} Quartered disc: centre of mass, with its plumb line; dots on the floor: CoP of \
          {postures} postures. Arrows lead from the simulated to the measured CoP; between CAD and \
          corrected, simulated readings are interpolated.",
-        suspects.sentence
     );
     Card {
         skeleton: &view.skeleton,
         postures: view.postures.iter().map(shown).collect(),
         apart: Posed::of(&found.health).shown(),
-        beside: Some(figures::arrows_beside(view, &suspects.cells)),
+        beside: Some(figures::arrows_beside(view, &cells)),
         caption,
-        marks: suspects.marks,
+        marks: marked.marks,
         correction: Correction {
             chi2: Some((view.chi2, view.chi2_readings as f64)),
             found: values(&found.steps),
@@ -316,54 +285,19 @@ fn values(steps: &[Step]) -> Vec<(String, f64, &'static str)> {
     all.take(NAMED).collect()
 }
 
-/// What the explanation names, on the robot.
-#[derive(Default)]
-struct Suspects {
-    marks: Marks,
-    cells: Vec<usize>,
-    sentence: String,
-}
-
-fn suspects(steps: &[Step], skeleton: &Skeleton) -> Suspects {
-    let mut found = Suspects::default();
-    let mut said = Vec::new();
+/// What the explanation names, on the robot, and its cells.
+fn suspects(steps: &[Step], skeleton: &Skeleton) -> (Marked, Vec<usize>) {
+    let (mut found, mut cells) = (Marked::default(), Vec::new());
     for step in steps {
-        let before = (found.marks.clone(), found.cells.len());
-        mark(&mut found, &step.acts_on, skeleton);
         let what = effect(step);
-        let marked = before != (found.marks.clone(), found.cells.len());
-        if marked {
-            let target = step.target.replace(',', "`, `");
-            said.push(match step.acts_on {
-                ActsOn::AllJoints => format!("every joint ({what})"),
-                _ => format!("`{target}` ({what})"),
-            });
+        match step.acts_on {
+            ActsOn::Cell(k) => {
+                cells.push(k);
+                found.say(&step.target, &what);
+            }
+            ActsOn::Whole => {}
+            _ => found.point(skeleton, step.effect, &step.target, &what),
         }
     }
-    found.sentence = match (steps.is_empty(), said.is_empty()) {
-        (true, _) => "No joint, link or cell is suspected.".to_string(),
-        (false, true) => {
-            "What is suspected is no joint and no link: sensor, ground or masses.".to_string()
-        }
-        (false, false) => format!("Orange: {}.", said.join("; ")),
-    };
-    found
-}
-
-fn mark(found: &mut Suspects, acts_on: &ActsOn, skeleton: &Skeleton) {
-    match acts_on {
-        ActsOn::AllJoints => found.marks.every_joint = true,
-        ActsOn::Link(link) if skeleton.body_of(link).is_some() => {
-            found.marks.links.push(link.clone());
-        }
-        ActsOn::Joints(joints) => {
-            let carried = joints.iter().filter_map(|joint| {
-                let body = skeleton.carried_by(joint)?;
-                Some((body, joint.clone()))
-            });
-            found.marks.joints.extend(carried);
-        }
-        ActsOn::Cell(k) => found.cells.push(*k),
-        _ => {}
-    }
+    (found, cells)
 }

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::{DiagnoseReport, count, parameters, servo, where_to};
-use crate::report::table::{Table, lines, mm, wrapped};
-use crate::report::{next_steps, soles};
+use super::{DiagnoseReport, parameters, servo, where_to};
+use crate::report::table::{Table, count, lines, mm, wrapped};
+use crate::report::{about_data, next_steps};
 use sesc_identify::diagnose::Diagnosis;
 use sesc_model::text::listed;
 
@@ -97,18 +97,14 @@ fn facts(found: &Diagnosis) -> String {
         [found.noise, found.noise_floor, found.absorbed_by_masses].map(mm);
     let source = found.noise_source.phrase();
     let noise = format!("{noise} mm per posture and axis, {source}; {floor} mm with the floor");
-    let samples = found.samples.sentence();
-    let mut facts = vec![("left", left), ("noise", noise), ("samples", samples)];
-    let motion = Some(&found.motion.sentence).filter(|motion| !motion.is_empty());
-    facts.extend(motion.map(|motion| ("motion", motion.clone())));
-    facts.extend(
-        found
-            .again
-            .iter()
-            .map(|own| ("reach again", own.sentence.clone())),
-    );
-    facts.extend(found.closure.iter().map(|own| ("soles", soles(own))));
-    facts.extend(found.visits.iter().map(|own| ("visits", own.sentence())));
+    let mut facts = vec![("left", left), ("noise", noise)];
+    facts.extend(about_data(
+        found.samples.sentence(),
+        &found.motion,
+        found.again.as_ref(),
+        found.closure.as_ref(),
+        found.visits.as_ref(),
+    ));
     let another = if found.steps.is_empty() {
         ""
     } else {

@@ -1,24 +1,21 @@
 //! A fleet: on the console, and as a page.
 
-mod line;
 mod page;
-mod picture;
-mod robot;
 #[cfg(test)]
 mod tests;
 mod text;
 
-pub use page::{Pages, ROBOTS, page_of_robot, pages};
-pub use picture::skeleton;
-pub(in crate::report) use picture::{mark_effect, standing};
+pub use page::{Pages, ROBOTS, page_of_robot, pages, skeleton};
 pub use text::text;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
-use sesc_identify::diagnose;
+use sesc_identify::diagnose::{self, Verdict};
 use sesc_identify::fleet::summary::Summary;
 use sesc_identify::fleet::{EffectFound, Failed, Fleet, Row, Twice};
+
+use super::table::in_words;
 
 /// What programs are told, besides the rows.
 #[derive(Serialize)]
@@ -69,14 +66,6 @@ fn hashes<'r>(rows: impl Iterator<Item = &'r Row>) -> Vec<&'r str> {
     all.into_iter().filter(|hash| !hash.is_empty()).collect()
 }
 
-/// `1 robot`, `2 robots`.
-fn count(n: usize, what: &str) -> String {
-    match n {
-        1 => format!("1 {what}"),
-        n => format!("{n} {what}s"),
-    }
-}
-
 /// The result in a line: what robots share, what changed, what failed.
 fn headline(shared: usize, changes: usize, failed: usize) -> String {
     let counted = |n: usize, one: &str, several: &str| match n {
@@ -90,4 +79,42 @@ fn headline(shared: usize, changes: usize, failed: usize) -> String {
         counted(failed, "log with errors", "logs with errors"),
     ]
     .join(", ")
+}
+
+/// What was found of a row, in short.
+fn said(row: &Row) -> String {
+    let effects = row.effects.explanation.iter().map(subject);
+    let health = row.health.iter();
+    let health = health.map(|f| match f.target.as_str() {
+        "-" => in_words(f.kind.name()),
+        target => format!("{}: {target}", in_words(f.kind.name())),
+    });
+    let error = row.error.iter().cloned();
+    let said: Vec<String> = effects.chain(health).chain(error).collect();
+    said.join("; ")
+}
+
+/// The verdict of a row; where there is none, whether it was fitted.
+fn outcome(row: &Row) -> &'static str {
+    match row.verdict {
+        Some(verdict) => verdict.name(),
+        None if row.has_result() => "fitted",
+        None => "no result",
+    }
+}
+
+/// How many rows have each outcome.
+fn outcomes<'r>(rows: impl Iterator<Item = &'r Row>) -> BTreeMap<&'static str, usize> {
+    let mut counts = BTreeMap::new();
+    rows.for_each(|row| *counts.entry(outcome(row)).or_default() += 1);
+    counts
+}
+
+/// Whether nothing is missing and the data are sound, as far as it was looked for.
+fn is_fine(row: &Row) -> bool {
+    let is_explained = match row.verdict {
+        Some(verdict) => matches!(verdict, Verdict::None | Verdict::Absorbed),
+        None => row.has_result(),
+    };
+    is_explained && row.health.is_empty()
 }

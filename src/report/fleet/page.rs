@@ -4,20 +4,22 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use minijinja::value::Serde;
+use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 use serde::Serialize;
 use sesc_identify::diagnose::Verdict;
-use sesc_identify::fleet::summary::Summary;
-use sesc_identify::fleet::{Fleet, Row, content_hash};
+use sesc_identify::fleet::summary::{ChangeKind, Summary};
+use sesc_identify::fleet::{Fleet, Options, Row, content_hash};
+use sesc_identify::health::Kind;
+use sesc_identify::robot::Robot;
 use sesc_identify::skeleton::Skeleton;
+use sesc_model::effects::Unit;
 
 use super::super::html::render;
 use super::super::origin::Origin;
-use super::line::{is_fine, line, outcomes};
-use super::picture::card;
-use super::robot::robot_page;
-use super::{count, hashes, headline, twice};
+use super::super::robot::{Card, Marked};
+use super::super::table::{count, in_words};
+use super::{hashes, headline, is_fine, outcome, outcomes, said, subject, twice};
 
 /// Robots with a page of their own, at most.
 pub const ROBOTS: usize = 2000;
@@ -27,32 +29,6 @@ const DAYS: usize = 31;
 /// Bytes of a robot's name in that of its file, at most: file systems take 255, and a file on its
 /// way to its place has some more.
 const NAME: usize = 160;
-
-/// A robot in the list of all.
-#[derive(Serialize)]
-struct RobotLine {
-    name: String,
-    days: usize,
-    postures: u64,
-    said: String,
-    bad: bool,
-}
-
-/// A robot to look at, and how sure that is.
-#[derive(Serialize)]
-struct LookFirst<'a> {
-    robot: &'a str,
-    why: &'a str,
-    places: String,
-    chance: String,
-}
-
-/// A robot of the picture: a mark a day.
-#[derive(Serialize)]
-struct Marks {
-    robot: String,
-    marks: Vec<(&'static str, &'static str, String)>,
-}
 
 /// The page of a fleet, and those of its robots.
 pub struct Pages {
@@ -96,24 +72,27 @@ pub fn pages(
     let days: BTreeSet<&str> = fleet.rows.iter().map(|row| row.day.as_str()).collect();
     let before = days.len().saturating_sub(DAYS);
     let days: Vec<&str> = days.into_iter().skip(before).collect();
-    let sections = robots.iter().take(ROBOTS).map(|(name, rows)| RobotLine {
-        name: name.to_string(),
-        days: rows.len(),
-        postures: rows.iter().map(|row| row.postures).sum(),
-        said: verdicts(rows),
-        bad: !rows.iter().all(|row| is_fine(row)),
+    let sections = robots.iter().take(ROBOTS).map(|(name, rows)| {
+        context! {
+            name => *name,
+            days => rows.len(),
+            postures => rows.iter().map(|row| row.postures).sum::<u64>(),
+            said => verdicts(rows),
+            bad => !rows.iter().all(|row| is_fine(row)),
+        }
     });
     let picture = summary.look_first.iter().filter_map(|robot| {
         let rows = robots.get(robot.as_str())?;
-        let robot = robot.clone();
-        let marks = days.iter().map(|day| mark(rows, day)).collect();
-        Some(Marks { robot, marks })
+        let marks: Vec<_> = days.iter().map(|day| mark(rows, day)).collect();
+        Some(context! { robot, marks => Serde(marks) })
     });
-    let reasons = summary.reasons.iter().map(|reason| LookFirst {
-        robot: &reason.robot,
-        why: &reason.why,
-        places: reason.places_in_words(),
-        chance: reason.chance_in_words(),
+    let reasons = summary.reasons.iter().map(|reason| {
+        context! {
+            robot => &reason.robot,
+            why => &reason.why,
+            places => reason.places_in_words(),
+            chance => reason.chance_in_words(),
+        }
     });
     let context = context! {
         robot => drawn.map(|drawn| card(fleet, summary, drawn)),
@@ -126,14 +105,14 @@ pub fn pages(
         shared => Serde(&summary.shared),
         changes => Serde(&summary.changes),
         bodies => summary.bodies.as_ref(),
-        reasons => Serde(reasons.collect::<Vec<LookFirst>>()),
+        reasons => reasons.collect::<Vec<Value>>(),
         linked => shown.len(),
         population => Serde(summary.population.as_ref().map(|p| (p.robots, p.names.len()))),
         failed => Serde(&fleet.failed),
         twice => fleet.twice.iter().map(twice).collect::<Vec<String>>(),
         days => Serde(&days),
-        picture => Serde(picture.collect::<Vec<Marks>>()),
-        sections => Serde(sections.collect::<Vec<RobotLine>>()),
+        picture => picture.collect::<Vec<Value>>(),
+        sections => sections.collect::<Vec<Value>>(),
         links => Serde(&links),
         folder => address(&folder),
         left_out => robots.len().saturating_sub(ROBOTS),
@@ -220,8 +199,7 @@ fn mark(rows: &[&Row], day: &str) -> (&'static str, &'static str, String) {
     let Some(row) = own.last() else {
         return ("", "none", "no log".to_string());
     };
-    let line = line(row);
-    let words = format!("{}: {}", line.verdict, line.said);
+    let words = format!("{}: {}", outcome(row), said(row));
     match row.verdict {
         _ if row.error.is_some() || !row.has_result() => ("×", "bad", words),
         Some(Verdict::Unusable) => ("!", "bad", words),
@@ -229,4 +207,174 @@ fn mark(rows: &[&Row], day: &str) -> (&'static str, &'static str, String) {
         _ if is_fine(row) => ("·", "fine", words),
         _ => ("●", "ok", words),
     }
+}
+
+// The page of one robot of a fleet: why it is looked at, and what its rows say day by day.
+
+/// An effect with its size on every day.
+#[derive(Serialize)]
+struct Course {
+    effect: String,
+    parameter: String,
+    days: Vec<Option<(f64, f64)>>,
+}
+
+/// The page of the robot `name`; it stands in a folder beside the page `fleet`. `drawn` is the
+/// robot of the fleet.
+fn robot_page(
+    name: &str,
+    rows: &[&Row],
+    summary: &Summary,
+    drawn: Option<&Skeleton>,
+    (fleet, command): (&str, &str),
+) -> Result<String, Error> {
+    let reason = summary.reasons.iter().find(|reason| reason.robot == name);
+    let shared = summary.shared.iter();
+    let shared = shared.filter(|shared| shared.robots.iter().any(|robot| robot == name));
+    let shared: Vec<&str> = shared.map(|shared| shared.sentence.as_str()).collect();
+    let changes = summary.changes.iter().filter(|c| c.robot == name);
+    let changes: Vec<_> = changes.collect();
+    let last = rows.iter().rev().find(|row| row.has_result());
+    let context = context! {
+        robot => drawn.and_then(|drawn| of_robot(rows, drawn)),
+        name => name,
+        fleet => fleet,
+        why => reason.map(|reason| reason.why.as_str()),
+        shared => Serde(shared),
+        changes => Serde(changes),
+        lines => rows.iter().map(|row| line(row)).collect::<Vec<Value>>(),
+        courses => Serde(courses(rows)),
+        days => Serde(rows.iter().map(|row| &row.day).collect::<Vec<&String>>()),
+        last => Serde(last.map(|row| (&row.day, &row.sentence))),
+        hashes => Serde(hashes(rows.iter().copied())),
+        logs => Serde(rows.iter().map(|row| (&row.day, &row.inputs)).collect::<Vec<_>>()),
+        origin => Origin { command, ..Origin::default() }.context(),
+    };
+    render("fleet_robot.html", context)
+}
+
+/// Every parameter of every effect, in the unit in which people read it.
+fn courses(rows: &[&Row]) -> Vec<Course> {
+    let mut found: Vec<Course> = Vec::new();
+    for (day, row) in rows.iter().enumerate() {
+        for effect in &row.effects.explanation {
+            for (parameter, size) in &effect.parameters {
+                let (factor, unit) = Unit::of(parameter).shown();
+                let stem = Unit::stem(parameter);
+                let shown = match unit {
+                    "" => stem,
+                    unit => format!("{stem}, {unit}"),
+                };
+                let name = subject(effect);
+                let is_it = |course: &Course| course.effect == name && course.parameter == shown;
+                let at = found.iter().position(is_it).unwrap_or_else(|| {
+                    found.push(Course {
+                        effect: name.clone(),
+                        parameter: shown.clone(),
+                        days: vec![None; rows.len()],
+                    });
+                    found.len() - 1
+                });
+                found[at].days[day] = Some((factor * size.value, factor * size.std));
+            }
+        }
+    }
+    found
+}
+
+/// A row: verdict, worth of the data, and what was found, in short.
+fn line(row: &Row) -> Value {
+    let mm = |metres: Option<f64>| metres.map(|metres| 1e3 * metres);
+    context! {
+        day => &row.day,
+        verdict => outcome(row),
+        bad => !is_fine(row),
+        postures => row.postures,
+        noise_mm => mm(row.noise_floor),
+        left_mm => mm(row.held_out_rmse),
+        said => said(row),
+    }
+}
+
+// The robot of these pages: joints and links that something is said of.
+
+/// The robot of a fleet as it is drawn, on the support of most of its rows; none where no row has
+/// its URDF and a support. Meshes are looked for in `folder`.
+pub fn skeleton(
+    fleet: &Fleet,
+    robot: &Robot,
+    options: &Options,
+    folder: Option<&Path>,
+) -> Option<Skeleton> {
+    let mut supports: BTreeMap<&str, usize> = BTreeMap::new();
+    let own = |hash: &str| hash == robot.description.hash;
+    for row in fleet.rows.iter().filter(|row| own(&row.urdf_hash)) {
+        if !row.support.is_empty() {
+            *supports.entry(&row.support).or_default() += 1;
+        }
+    }
+    let (support, _) = supports.into_iter().max_by_key(|(_, rows)| *rows)?;
+    let model = robot.model(support, options.snapping(), None).ok()?;
+    Some(Skeleton::of(&model, &robot.description, folder))
+}
+
+/// Joints and links that robots share a fault of, that changed, or whose encoder is stuck, on the
+/// robot; what `robot.html` takes.
+fn card(fleet: &Fleet, summary: &Summary, skeleton: &Skeleton) -> Value {
+    let mut marked = Marked::default();
+    for group in &summary.shared {
+        let robots = count(group.robots.len(), "robot");
+        let what = format!("{} in {robots}", in_words(&group.effect));
+        marked.point(skeleton, &group.effect, &group.target, &what);
+    }
+    let changes = summary.changes.iter();
+    for change in changes.filter(|change| change.kind == ChangeKind::Effect) {
+        if let Some((effect, target)) = change.target.split_once(':') {
+            let said = in_words(effect);
+            let what = format!("{said} of {} from {} on", change.robot, change.day);
+            marked.point(skeleton, effect, target, &what);
+        }
+    }
+    for (joint, robots) in stuck(fleet, summary) {
+        let robots = robots.into_iter().collect::<Vec<&str>>().join(", ");
+        marked.point(skeleton, "", joint, &format!("encoder stuck in {robots}"));
+    }
+    let nothing = "No joint and no link is shared, changed or stuck.";
+    Card::standing(skeleton, marked, nothing, Vec::new()).context()
+}
+
+/// One robot of a fleet: joints and links of its last result, and encoders that are stuck on any
+/// day; none where its last result is of another URDF than `skeleton`.
+fn of_robot(rows: &[&Row], skeleton: &Skeleton) -> Option<Value> {
+    let last = rows.iter().rev().find(|row| row.has_result())?;
+    if last.urdf_hash != skeleton.hash {
+        return None;
+    }
+    let mut marked = Marked::default();
+    for effect in &last.effects.explanation {
+        if marked.mark(skeleton, &effect.effect, &effect.target) {
+            marked.said.push(subject(effect));
+        }
+    }
+    let findings = rows.iter().flat_map(|row| &row.health);
+    let stuck = findings.filter(|finding| finding.kind == Kind::EncoderStuck);
+    let stuck: BTreeSet<&str> = stuck.map(|finding| finding.target.as_str()).collect();
+    for joint in stuck {
+        marked.point(skeleton, "", joint, "encoder stuck");
+    }
+    let nothing = "No joint and no link is suspected.";
+    Some(Card::standing(skeleton, marked, nothing, Vec::new()).context())
+}
+
+/// Joints whose encoder is stuck in robots that are to be looked at.
+fn stuck<'f>(fleet: &'f Fleet, summary: &Summary) -> BTreeMap<&'f str, BTreeSet<&'f str>> {
+    let first: BTreeSet<&str> = summary.look_first.iter().map(String::as_str).collect();
+    let mut found: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for row in &fleet.rows {
+        let own = row.health.iter().filter(|f| f.kind == Kind::EncoderStuck);
+        for finding in own.filter(|_| first.contains(row.robot.as_str())) {
+            found.entry(&finding.target).or_default().insert(&row.robot);
+        }
+    }
+    found
 }

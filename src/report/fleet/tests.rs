@@ -218,5 +218,5 @@ fn a_row_with_a_finding_is_not_fine() {
     let mut stuck = sound.clone();
     let finding = r#"{"kind": "encoder_stuck", "target": "knee", "sentence": "It is stuck."}"#;
     stuck.health = vec![serde_json::from_str(finding).unwrap()];
-    assert!(!line::line(&sound).bad && line::line(&stuck).bad);
+    assert!(is_fine(&sound) && !is_fine(&stuck));
 }

@@ -6,9 +6,8 @@ use sesc_identify::fleet::Fleet;
 use sesc_identify::fleet::summary::Summary;
 use sesc_model::text::visible;
 
-use super::super::table::{Table, listed};
-use super::line::outcomes;
-use super::{count, headline, twice};
+use super::super::table::{Table, count, listed};
+use super::{headline, outcomes, twice};
 
 /// What was found, for people.
 pub fn text(fleet: &Fleet, summary: &Summary, long: bool) -> String {
