@@ -73,7 +73,7 @@ impl Bench {
         let on = |command: &str, log: &str| format!("{command} {op2} --data {}", file(log));
         let hidden = "--noise 0.0005 --hide joint_offset:r_knee=1.5deg";
         let three = "--hide joint_offset:right_knee=2deg --hide payload:chest=0.5,0,0,0.1 \
-                     --hide joint_compliance:right_ankle_pitch=200";
+                     --hide joint_compliance:right_ankle_pitch=800";
         let on_chain = |joints: usize, poses: usize| {
             format!(
                 "simulate {} --support l0 --poses {poses} --range 30 --noise 0.0005 \
