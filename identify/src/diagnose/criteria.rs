@@ -90,6 +90,12 @@ pub(super) const PAIRS: usize = 40;
 /// χ² over what noise leaves from which wiring is suspected beside other effects. Chosen: half
 /// of it tries wiring in every log; twice as much misses faults beside another effect.
 pub(super) const WIRING_CHI2: f64 = 2.0;
+/// Postures times wiring faults beyond which faults are first tried on an even choice of postures,
+/// and how many of each log that has at least. Chosen: it saves time for robots of many joints,
+/// whose encoders can be exchanged in thousands of ways.
+pub(super) const WIRING_WORK: usize = 1_000_000;
+/// Chosen: it saves time.
+pub(super) const WIRING_POSTURES: usize = 100;
 /// Explanations that further wiring faults are tried beside, and how many of each. Chosen: it
 /// costs time.
 pub(super) const WIRING_BESIDE: (usize, usize) = (5, 4);

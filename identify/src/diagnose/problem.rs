@@ -319,6 +319,16 @@ impl<'m> Problem<'m> {
         own
     }
 
+    /// The same with about every so many-th posture of each block, readings alone.
+    pub(super) fn thinned(&self, every: usize) -> Problem<'m> {
+        let blocks = self.blocks.iter().map(|block| {
+            let n = block.data.len();
+            let every = every.min(n / criteria::WIRING_POSTURES).max(1);
+            block.some(&(0..n).map(|k| k % every == 0).collect::<Vec<_>>())
+        });
+        self.about(blocks.collect())
+    }
+
     /// What unknowns and the number of things that were looked at cost:
     /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
     pub(super) fn penalty(&self, terms: &[Term]) -> f64 {

@@ -18,7 +18,6 @@ use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem, Proposal};
 use super::{criteria, wiring};
 use crate::Error;
-use crate::health::wirings;
 use crate::threads::{each_long, processors};
 use crate::watch::{Watch, tell};
 
@@ -91,8 +90,7 @@ impl<'m> Search<'m> {
     /// When `watch` stops the search.
     pub(super) fn run(&mut self, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
         let null = self.fit(&[], None);
-        let faults = wirings::faults(self.problem.context()).into_iter();
-        let faults: Vec<Term> = faults.map(Term::Effect).collect();
+        let faults = wiring::faults(&self.problem);
         let mut beam = vec![null];
         for depth in 1..=criteria::TOO_MANY_EFFECTS {
             let mut proposals = Vec::new();

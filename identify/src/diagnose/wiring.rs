@@ -10,6 +10,7 @@ use super::criteria;
 use super::dictionary::{Candidate, Dictionary};
 use super::hypothesis::Term;
 use super::problem::{Fit, Problem, Proposal, run_alone, stacked_residual, stacked_slopes};
+use crate::health::wirings;
 use crate::lsq::factor_normal;
 use crate::threads::each_long;
 
@@ -54,25 +55,53 @@ pub fn beside(problem: &Problem, parent: &Fit, faults: &[Term]) -> Vec<Proposal>
     let contexts = problem.posture_contexts(Some(parent));
     let further = faults.iter().filter(|fault| !parent.terms.contains(fault));
     let known = (&parent.terms[..], &parent.unknowns[..]);
-    let masses = problem.masses(&parent.terms);
-    let predicted = problem.predict(&parent.terms, &parent.unknowns, &contexts, None);
-    let own = stacked_slopes(&predicted, parent.unknowns.len());
-    let left = problem.project_out(masses, &own);
-    let factor = factor_normal(own.tr_mul(&left));
-    let proposals = each_long(further, |fault| {
-        let residual = residual(problem, known, &contexts, fault);
-        let pull = left.tr_mul(&residual);
-        let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
-        let score = residual.dot(&problem.project_out_one(masses, &residual)) - gain;
-        let change = score - parent.objective;
-        score
-            .is_finite()
-            .then(|| problem.propose(parent, fault, change))
-    });
-    let mut proposals: Vec<Proposal> = proposals.into_iter().flatten().collect();
+    let scores = scores(problem, known, &contexts, further).into_iter();
+    let proposals =
+        scores.map(|(fault, score)| problem.propose(parent, fault, score - parent.objective));
+    let mut proposals: Vec<Proposal> = proposals.collect();
     proposals.sort_by(Proposal::order);
     proposals.truncate(criteria::WIRING_BESIDE.1);
     proposals
+}
+
+/// Effects without unknowns; of very many in a long log those that come first on some of its
+/// postures: a chain of 100 joints has 5000 pairs of encoders that may be exchanged.
+pub fn faults(problem: &Problem) -> Vec<Term> {
+    let all = wirings::faults(problem.context()).into_iter();
+    let all: Vec<Term> = all.map(Term::Effect).collect();
+    let postures: usize = problem.blocks.iter().map(|block| block.data.len()).sum();
+    let every = (all.len() * postures).div_ceil(criteria::WIRING_WORK);
+    if every < 2 {
+        return all;
+    }
+    let some = problem.thinned(every);
+    let mut scored = scores(&some, (&[], &[]), &some.posture_contexts(None), &all);
+    scored.sort_by(|a, b| a.1.total_cmp(&b.1));
+    scored.truncate(criteria::WIRING_WORK / postures);
+    scored.into_iter().map(|(fault, _)| fault.clone()).collect()
+}
+
+/// χ² of each fault beside a hypothesis: its unknowns stay, but for what a linear step of theirs
+/// takes.
+fn scores<'f>(
+    problem: &Problem,
+    (terms, unknowns): (&[Term], &[f64]),
+    contexts: &[Cow<[f64]>],
+    faults: impl IntoIterator<Item = &'f Term>,
+) -> Vec<(&'f Term, f64)> {
+    let masses = problem.masses(terms);
+    let predicted = problem.predict(terms, unknowns, contexts, None);
+    let own = stacked_slopes(&predicted, unknowns.len());
+    let left = problem.project_out(masses, &own);
+    let factor = factor_normal(own.tr_mul(&left));
+    let scores = each_long(faults, |fault| {
+        let residual = residual(problem, (terms, unknowns), contexts, fault);
+        let pull = left.tr_mul(&residual);
+        let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
+        let score = residual.dot(&problem.project_out_one(masses, &residual)) - gain;
+        score.is_finite().then_some((fault, score))
+    });
+    scores.into_iter().flatten().collect()
 }
 
 /// Whitened residuals of all rows under a fault beside a hypothesis.

@@ -157,6 +157,22 @@ impl<'m> Block<'m> {
         }
     }
 
+    /// The readings of the postures that are true in `keep`, without the soles.
+    pub(super) fn some(&self, keep: &[bool]) -> Block<'m> {
+        let mut data = self.data.clone();
+        data.keep(keep);
+        let is_kept = |row: &usize| keep[row / 2];
+        let rows: Vec<usize> = (0..self.rows.nrows()).filter(is_kept).collect();
+        Block {
+            data,
+            rows: Arc::new(self.rows.select_rows(&rows)),
+            offset: self.offset.as_ref().map(|own| own.select_rows(&rows)),
+            motion_rows: None,
+            closure: None,
+            ..self.clone()
+        }
+    }
+
     /// The same robot on another support: nothing can be fitted there, explanations can be
     /// evaluated.
     pub fn on<'o>(&self, model: &'o Model) -> Block<'o>
