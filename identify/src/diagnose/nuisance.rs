@@ -104,6 +104,13 @@ impl Nuisance {
         x - &self.k * inner
     }
 
+    /// `xᵀ S x` of one whitened column.
+    pub(super) fn chi2(&self, x: &DVector<f64>) -> f64 {
+        let mut taken = self.k.tr_mul(x);
+        self.factor.l_dirty().solve_lower_triangular_mut(&mut taken);
+        x.norm_squared() - taken.norm_squared()
+    }
+
     /// Whether mass errors move readings by less than a thousandth of the noise.
     pub(super) fn is_negligible(&self) -> bool {
         self.k.amax() < 1e-3

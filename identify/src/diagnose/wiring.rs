@@ -98,7 +98,7 @@ fn scores<'f>(
         let residual = residual(problem, (terms, unknowns), contexts, fault);
         let pull = left.tr_mul(&residual);
         let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
-        let score = residual.dot(&problem.project_out_one(masses, &residual)) - gain;
+        let score = problem.chi2(masses, &residual) - gain;
         score.is_finite().then_some((fault, score))
     });
     scores.into_iter().flatten().collect()
