@@ -107,7 +107,7 @@ fn a_part_of_a_moving_log_of_means_is_fitted() {
     folder.write("log.csv", rows.join("\n"));
     folder.write(
         "log.csv.toml",
-        "support = \"r_sole\"\nreadings_per_pose = 100\n",
+        "support = \"r_sole\"\nreadings_per_pose = 10000\n",
     );
     folder.stdout("fit op2.urdf --data log.csv --partial log.part");
     let found = folder.json("fit log.part");
