@@ -14,9 +14,9 @@
 use std::collections::HashMap;
 
 use serde::Serialize;
-use sesc_model::Model;
 use sesc_model::effects::{self, Catalog, EffectContext, Instance, PostureContext};
 use sesc_model::tape::{Tape, Values};
+use sesc_model::{Model, MotionCounted};
 
 use crate::Error;
 use crate::evaluate::{FASTEST, MotionPredictor, ReadingPredictor};
@@ -181,9 +181,14 @@ impl Predictor {
             stance.support = first.map(|link| link.to_string());
         }
         let sidecar = reader.sidecar.clone();
+        // As readings counted that the parameters are from.
+        let counted = stance.parameters.as_ref().and_then(|file| file.motion);
+        let is_static = counted == Some(MotionCounted::Static);
         let reader = match motion {
-            MotionModel::Auto => Moving::planned(reader, dofs.len(), HEAD, Wanted::Alone)?,
-            MotionModel::Off => Moving::new(reader, dofs.len(), None, Wanted::Alone),
+            MotionModel::Auto if !is_static => {
+                Moving::planned(reader, dofs.len(), HEAD, Wanted::Alone)?
+            }
+            _ => Moving::new(reader, dofs.len(), None, Wanted::Alone),
         };
         let mut predictor = Predictor {
             stance,
@@ -250,9 +255,13 @@ impl Predictor {
             }
             let gravity = block.gravity.as_ref();
             let gravity = gravity.map_or(&[][..], |all| &all[start..start + n]);
-            let shifts = motion.map(|motion| on_link.shifts(q, motion, start, gravity));
-            let shifts = shifts.unwrap_or_default();
-            let (com, cop) = on_link.readings.run(q, n, gravity, &shifts);
+            let (com, mut cop) = on_link.readings.run(q, n, gravity, &[]);
+            if let Some(motion) = motion {
+                // As a fit and a diagnosis see the joints.
+                let q = &motion.positions[start * dof..(start + n) * dof];
+                let shifts = on_link.shifts(q, motion, start, gravity);
+                cop = on_link.readings.run(q, n, gravity, &shifts).1;
+            }
             found.com_m.extend(com.as_chunks().0);
             found.cop_m.extend(cop.as_chunks().0);
             start += n;
@@ -303,7 +312,8 @@ impl Predictor {
 }
 
 impl Evaluators {
-    /// What motion adds to the CoP of postures that are rows of it from `start`.
+    /// What motion adds to the CoP of postures that are rows of it from `start`: by CAD's masses and
+    /// the model's effects, and what its masses change of it as a fit counts that.
     fn shifts(
         &mut self,
         q: &[f64],
@@ -312,20 +322,38 @@ impl Evaluators {
         gravity: &[[f64; 3]],
     ) -> Vec<[f64; 2]> {
         let model = &self.model;
-        let make = || (MotionPredictor::new(model), Zmp::new(model));
+        let make = || {
+            (
+                MotionPredictor::new(&model.with_cad_masses()),
+                Zmp::new(model),
+            )
+        };
         let (predictor, zmp) = self.motion.get_or_insert_with(make);
         let dof = model.dof();
         let own = start * dof..start * dof + q.len();
         let motion = (&motion.rates[own.clone()], &motion.gains[own]);
         let n = q.len() / dof;
         let mut shifts = predictor.shifts(q, n, motion);
-        let tilts: Vec<[f64; 2]> = gravity.iter().map(|g| rows::tilt(*g)).collect();
-        if tilts.iter().flatten().any(|t| *t != 0.0) {
-            let of = |tilts: &[[f64; 2]]| zmp.shifts(&model.params(), q, motion, tilts);
-            let (tilted, level) = (of(&tilts), of(&vec![[0.0; 2]; n]));
-            for (shift, (a, b)) in shifts.iter_mut().zip(tilted.iter().zip(level)) {
-                *shift = [shift[0] + a[0] - b[0], shift[1] + a[1] - b[1]];
-            }
+        let mut add = |all: Vec<[f64; 2]>, sign: f64| {
+            let all = shifts.iter_mut().flatten().zip(all.into_iter().flatten());
+            all.for_each(|(shift, by)| *shift += sign * by);
+        };
+        let level = vec![[0.0; 2]; n];
+        let tilts = match gravity {
+            [] => level.clone(),
+            gravity => gravity.iter().map(|g| rows::tilt(*g)).collect(),
+        };
+        let cad = model.cad_params();
+        if tilts != level {
+            add(zmp.shifts(&cad, q, motion, &tilts), 1.0);
+            add(zmp.shifts(&cad, q, motion, &level), -1.0);
+        }
+        if model.params() != cad {
+            let off = model.params().into_iter().zip(cad).map(|(r, cad)| r - cad);
+            add(
+                zmp.shifts_by_masses(&off.collect::<Vec<_>>(), q, motion, &tilts),
+                1.0,
+            );
         }
         shifts
     }

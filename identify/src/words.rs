@@ -42,6 +42,8 @@ settings! {
     Clearance = "clearance",
     /// What columns of other names are: the name in the log, then ours.
     Columns = "columns",
+    /// Deviation of an offset of readings before the data.
+    Offset = "offset",
     /// Half the side of a square for the CoP.
     CopBox = "cop_box",
     /// Logs.

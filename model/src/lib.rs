@@ -103,7 +103,9 @@ pub use error::{Error, ErrorKind};
 #[doc(hidden)]
 pub use functions::{motion_parts, motion_rows};
 pub use interface::{Extent, Function, Given, Interface};
-pub use model::{DataUsed, EffectRecord, Information, Model, ModelFile, Parameter, Quantity};
+pub use model::{
+    DataUsed, EffectRecord, Information, Model, ModelFile, MotionCounted, Parameter, Quantity,
+};
 #[doc(hidden)]
 pub use model::{sensor_reading, tilted_com, tilted_cop};
 pub use robot::Robot;

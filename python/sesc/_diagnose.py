@@ -258,6 +258,7 @@ def diagnose(
     angles: Angles | None = None,
     prior: Prior = "tight",
     noise: float | None = None,
+    offset: float | None = None,
     floor: float = 1e-4,
     motion: Motion = "auto",
     settle: float | None = None,
@@ -278,6 +279,8 @@ def diagnose(
             ``"free"``, or a TOML file: tolerances, or the model file of this robot that a fit
             wrote when it was healthy.
         noise: standard deviation of a single reading on one axis, m; from the log unless given.
+        offset: how far all readings may be shifted before a log says so, standard deviation, m; 0
+            for not at all, 0.003 or 0.03, whichever is likelier, unless given.
         floor: added to the noise in quadrature, m: what encoder ticks do.
         motion: ``"auto"`` compares readings with the ZMP where a log with times knows
             accelerations; ``"off"`` takes all as those of standing postures.
@@ -305,6 +308,7 @@ def diagnose(
         "degrees": _run.degrees(angles),
         "prior": os.fspath(prior),
         "noise": noise,
+        "offset": offset,
         "floor": floor,
         "motion": _run.motion(motion),
         "settle": settle,

@@ -299,6 +299,7 @@ def fit(
     angles: Angles | None = None,
     prior: Prior = "cad",
     noise: float | None = None,
+    offset: float | None = None,
     robust: Robust | None = None,
     folds: int | None = None,
     range: float | None = None,
@@ -319,6 +320,8 @@ def fit(
         prior: tolerances of CAD: ``"tight"`` (mass 0.2 %, CoM 0.1 mm), ``"cad"`` (10 %, 5 mm),
             ``"free"``, or a TOML file.
         noise: standard deviation of a single reading on one axis, m; from the log unless given.
+        offset: how far all readings may be shifted before a log says so, standard deviation, m; 0
+            for not at all, 0.003 or 0.03, whichever is likelier, unless given.
         robust: ``"huber"`` or ``"tukey"``: trust postures less that no noise explains.
         folds: folds of the cross-validation, 10 unless given.
         range: errors are expected for joints within ± this, rad; else for their limits.
@@ -352,7 +355,7 @@ def fit(
     if isinstance(robot, Part):
         parts.insert(0, robot)
     options = options_of(support, angles, prior, noise, robust, folds, range, physical, motion, settle, unit)
-    options["duplicates"] = duplicates
+    options |= {"offset": offset, "duplicates": duplicates}
     with _run.showing(progress) as show:
         report = _sesc.fit_logs(
             robot if isinstance(robot, Robot) else None,

@@ -275,4 +275,5 @@ def options_of(
         "settle": settle,
         "unit": unit,
         "duplicates": "refuse",
+        "offset": None,
     }

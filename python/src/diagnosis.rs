@@ -27,6 +27,7 @@ pub struct DiagnoseOptions {
     degrees: Option<bool>,
     prior: String,
     noise: Option<f64>,
+    offset: Option<f64>,
     floor: f64,
     motion: bool,
     settle: Option<f64>,
@@ -77,6 +78,7 @@ pub fn diagnose_log(
     request.angles = options.degrees.map(angles);
     request.prior = PriorChoice::from(options.prior.as_str());
     request.noise = options.noise;
+    request.offset = options.offset;
     request.floor = options.floor;
     request.motion = motion(options.motion);
     request.stays = stays(options.settle).map_err(|failure| failure.raise(py))?;

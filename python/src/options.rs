@@ -44,6 +44,7 @@ where
     })?;
     for name in [
         "noise",
+        "offset",
         "floor",
         "cop_box",
         "clearance",
@@ -103,6 +104,7 @@ pub struct FitOptions {
     degrees: Option<bool>,
     prior: String,
     noise: Option<f64>,
+    offset: Option<f64>,
     robust: Option<String>,
     folds: Option<usize>,
     range: Option<f64>,
@@ -134,6 +136,7 @@ impl FitOptions {
         request.angles = self.degrees.map(angles);
         request.prior = PriorChoice::from(self.prior.as_str());
         request.noise = self.noise;
+        request.offset = self.offset;
         let losses = [("huber", Loss::Huber), ("tukey", Loss::Tukey)];
         let robust = self.robust.as_deref();
         let robust = robust.map(|given| named("robust", given, losses, Doing::Fit));

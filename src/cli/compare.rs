@@ -65,6 +65,7 @@ const OF_LOGS: &[&str] = &[
     "degrees",
     "prior",
     "noise",
+    "offset",
     "floor",
     "motion",
     "both-feet",

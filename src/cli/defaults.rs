@@ -40,7 +40,7 @@ pub(super) enum Kind {
 }
 
 /// Keys, which are options with `_` for `-`, in the order in which they are said.
-pub(super) const KEYS: [(&str, Kind); 13] = [
+pub(super) const KEYS: [(&str, Kind); 14] = [
     ("support", Kind::Text),
     ("no_snap", Kind::Flag),
     ("both_feet", Kind::Flag),
@@ -48,6 +48,7 @@ pub(super) const KEYS: [(&str, Kind); 13] = [
     ("degrees", Kind::Flag),
     ("prior", Kind::Path(&["tight", "cad", "free"])),
     ("noise", Kind::Number),
+    ("offset", Kind::Number),
     ("floor", Kind::Number),
     ("motion", Kind::Text),
     ("limits", Kind::Path(&[])),

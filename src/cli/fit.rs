@@ -314,6 +314,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.angles = arguments.reading.angles();
     request.prior = arguments.reading.prior_or(Prior::DEFAULT);
     request.noise = arguments.reading.noise;
+    request.offset = arguments.reading.offset;
     request.robust = arguments.robust.map(|robust| match robust {
         RobustLoss::Huber => Loss::Huber,
         RobustLoss::Tukey => Loss::Tukey,

@@ -6,6 +6,8 @@ use sesc_identify::robot::Robot;
 
 /// No sensor of a robot that stands is noisier, m.
 pub(super) const NOISIEST_M: f64 = 0.1;
+/// No frame of a foot is further off, m.
+pub(super) const LARGEST_SHIFT_M: f64 = 1.0;
 /// No sole, and no height above it that a plan keeps clear, is larger, m; who wants no bound
 /// gives a metre.
 pub(super) const LARGEST_M: f64 = 2.0;
@@ -25,6 +27,7 @@ const MASS_RATIO: f64 = 100.0;
 pub fn check(keyword: &str, value: f64) -> Result<(), String> {
     match keyword {
         "noise" | "floor" => check_m(value, NOISIEST_M),
+        "offset" => check_m(value, LARGEST_SHIFT_M),
         "cop_box" | "clearance" => check_m(value, LARGEST_M),
         "margin" => check_m(value, WIDEST_M),
         "rate" => check_hz(value),

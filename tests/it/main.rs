@@ -30,6 +30,7 @@ mod hostile;
 mod identify;
 mod interface;
 mod layers;
+mod misfit;
 mod model_file;
 mod motion;
 mod on_target_fit;

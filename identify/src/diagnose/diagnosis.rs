@@ -12,7 +12,7 @@ use super::findings::{
 };
 use super::hypothesis::Term;
 use super::leftover::{Misfit, closure_found, is_open, suspects};
-use super::model_file::settle;
+use super::model_file::{settle, unsettled_reason};
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem};
 use super::remedy::Remedy;
@@ -72,7 +72,8 @@ pub(super) fn find<'m>(
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
     let soles = about.usable && is_open(problem, &best);
     let no_known = known && misfit.is_clear() || soles;
-    let is_short = about.usable && too_few.is_some() && best.terms.is_empty() && !soles;
+    let short = too_few.is_some() || problem.first().noise_lasts_too_long();
+    let is_short = about.usable && short && best.terms.is_empty() && !soles;
     let unexplained = !is_short && (no_known || crowd || implausible.is_some());
     if unexplained {
         class = vec![best.clone()];
@@ -318,7 +319,17 @@ fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
              are no unit and no calibration."
         ));
     }
-    terms().find_map(|(term, found)| {
+    // A gain that is known to no more than itself is none.
+    let is_open = |gain: &Quantity| gain.std > gain.value.abs();
+    if let Some((term, gain)) =
+        of("sensor_gain").filter(|(_, own)| own.iter().any(|(_, x)| is_open(x)))
+    {
+        let clause = capital(&words::clause(context, term, gain));
+        return Some(format!(
+            "{clause} would explain it best and is implausible: its interval is wider than itself."
+        ));
+    }
+    let bounds = terms().find_map(|(term, found)| {
         let instance = term.effect()?;
         let values: Vec<f64> = found.iter().map(|(_, own)| own.value).collect();
         let (effect, target) = (instance.effect, &instance.target);
@@ -328,6 +339,13 @@ fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
         let clause = capital(&words::clause(context, term, found));
         Some(format!(
             "{clause} would explain it best and is implausible: {reason}."
+        ))
+    });
+    bounds.or_else(|| {
+        let reason = unsettled_reason(problem, fit)?;
+        let clauses = capital(&words::clauses(problem, fit).join(", with "));
+        Some(format!(
+            "{clauses} would explain it best and is implausible: {reason}."
         ))
     })
 }

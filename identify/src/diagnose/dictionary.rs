@@ -16,6 +16,7 @@ use super::criteria;
 use super::hypothesis::{Term, effect_terms};
 use super::nuisance::Nuisance;
 use super::problem::{ALL, Block, Fit, Problem, side, stacked_residual, stacked_slopes};
+use crate::fit::OFFSET;
 use crate::lsq::{factor_normal, transposed_times};
 use crate::threads::each_long;
 
@@ -141,6 +142,34 @@ impl Dictionary {
             .zip(&self.squares[0])
             .map(of)
             .collect()
+    }
+
+    /// What an offset of readings costs whose prior has the likeliest of some deviations (m), where
+    /// nothing is missing beside it.
+    ///
+    /// ```text
+    /// price(σ) = bᵀ A⁻¹ b − bᵀ (A + 1/σ²)⁻¹ b + log det(1 + σ² A)
+    /// ```
+    pub(super) fn price_of_offset(&self, null: &Fit, problem: &Problem) -> Option<(Term, f64)> {
+        let is_offset = |c: &Candidate| c.term.name() == OFFSET;
+        let place = self.candidates.iter().position(is_offset)?;
+        let (own, a) = (&self.candidates[place], &self.squares[0][place]);
+        let left = problem.project_out_one(problem.masses(&[]), &null.residual());
+        let b = self.slopes.columns(own.from, own.count).tr_mul(&left);
+        let gain = b.dot(&a.clone().cholesky()?.solve(&b));
+        let price = |std: &f64| {
+            let mut held = a.clone();
+            (0..own.count).for_each(|k| held[(k, k)] += 1.0 / (std * std));
+            let factor = held.cholesky()?;
+            let log_det = factor.l_dirty().diagonal().map(|x| (x * std).ln()).sum();
+            Some(gain - b.dot(&factor.solve(&b)) + 2.0 * log_det)
+        };
+        let price = problem
+            .offset_stds
+            .iter()
+            .filter_map(price)
+            .min_by(f64::total_cmp)?;
+        Some((own.term.clone(), price))
     }
 
     /// How far each candidate would lower the objective of `fit`, to first order.

@@ -99,6 +99,14 @@ impl Term {
         self.effect().map(|instance| instance.effect.stage())
     }
 
+    /// Whether it is of the ground, the sensor or the record, and of all readings alike.
+    pub(super) fn is_of_all_readings(&self) -> bool {
+        self.effect().is_some_and(|own| {
+            let after = own.effect.stage() >= Stage::Ground && own.effect.stage() != Stage::Bends;
+            after && own.target == Target::Whole
+        })
+    }
+
     /// Number of unknowns that a fit descends in.
     pub(super) fn unknowns(&self, context: &EffectContext) -> usize {
         self.effect().map_or(0, |i| i.unknowns(context))

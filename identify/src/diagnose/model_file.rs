@@ -25,7 +25,7 @@ use super::criteria::{
     AGREES, FILE_AGREES, FLIPPED, GAIN, LARGEST_OUTLIER_SHARE, MOST, OTHER_SIDE, SHORTEST,
 };
 use super::findings::ModelOnLog;
-use super::hypothesis::effects_of;
+use super::hypothesis::{Term, effects_of};
 use super::problem::{ALL, Fit, InFile, Problem, backlash_sides};
 use super::{held_out, words};
 use crate::Error;
@@ -53,6 +53,27 @@ pub(super) fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
     let mut file = ModelFile::from_values(model, &values, Some(&std), source);
     file.inform(information(&rows, &prior.factor, prior.beyond));
     file.noise_floor = Some(problem.data().noise_floor);
+    file.motion = problem.data().motion_use.counted();
+    put_effects(problem, best, &mut file);
+    file
+}
+
+/// Why no command would take a file with an explanation whose joints give way, if none would: its
+/// springs do not come to rest.
+pub(super) fn unsettled_reason(problem: &Problem, fit: &Fit) -> Option<String> {
+    let gives_way = |term: &Term| term.stage() == Some(Stage::Bends);
+    if !fit.terms.iter().any(gives_way) {
+        return None;
+    }
+    let model = problem.context().robot;
+    let mut file = ModelFile::from_values(model, &problem.params_of(fit), None, "data");
+    put_effects(problem, fit, &mut file);
+    let refused = problem.first().model.clone().with_file(file).err()?;
+    Some(refused.to_string().trim_start_matches(": ").to_string())
+}
+
+/// Every effect of an explanation that a model can hold.
+fn put_effects(problem: &Problem, best: &Fit, file: &mut ModelFile) {
     for (term, values) in best.terms.iter().zip(words::values(problem, best)) {
         let Some(instance) = term.effect() else {
             continue;
@@ -71,7 +92,6 @@ pub(super) fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
             parameters: parameters.collect(),
         });
     }
-    file
 }
 
 /// Compare what is stated of an explanation with what its `file` predicts of the log, and

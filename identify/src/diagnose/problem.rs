@@ -24,6 +24,7 @@ use super::criteria;
 use super::hypothesis::{self, CarriedExplanation, Term, carried, with_places};
 use super::nuisance::{MassPrior, Nuisance};
 use super::outliers::Outliers;
+use crate::fit::offset;
 use crate::fit::prior::{Prior, Tolerances};
 use crate::lsq::factor_normal;
 use crate::lsq::solve::Beyond;
@@ -44,6 +45,10 @@ pub(super) struct Problem<'m> {
     /// tolerances of CAD, for `mass_distribution`.
     priors: [MassPrior; 2],
     target_weights: HashMap<Term, f64>,
+    /// What terms cost that have a prior of their own.
+    pub prices: HashMap<Term, f64>,
+    /// Deviations that an offset of readings may have before the data, m.
+    pub offset_stds: Vec<f64>,
     /// How many targets each kind of effect has.
     targets: BTreeMap<EffectId, usize>,
     /// Masses are known as tolerances of CAD alone.
@@ -185,6 +190,8 @@ impl<'m> Problem<'m> {
             masses_are_cad: matches!(prior, Prior::Cad(_)),
             priors: [known(prior), known(&Prior::Cad(Tolerances::usual()))],
             target_weights: HashMap::new(),
+            prices: HashMap::new(),
+            offset_stds: offset::STD_M.to_vec(),
             blocks,
         };
         problem.weigh();
@@ -329,17 +336,34 @@ impl<'m> Problem<'m> {
         self.about(blocks.collect())
     }
 
+    /// Independent readings of all logs, and rows of soles.
+    fn independent(&self) -> f64 {
+        let of = |block: &Block| {
+            let rows = block.data.len() as f64;
+            let readings = block.widened.map(|factor| rows / (factor * factor));
+            block.height() as f64 - 2.0 * rows + readings[0] + readings[1]
+        };
+        self.blocks
+            .iter()
+            .map(of)
+            .sum::<f64>()
+            .max(std::f64::consts::E)
+    }
+
     /// What unknowns and the number of things that were looked at cost:
-    /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`].
+    /// `Σ p ln 2N + 2 ln(kinds / w_target)`, see [`Problem::weigh_targets`]; N counts independent
+    /// samples. An offset of readings costs no more than its own prior makes it cost.
     pub(super) fn penalty(&self, terms: &[Term]) -> f64 {
-        let readings = self.height() as f64;
+        let readings = self.independent();
         let kinds = self.targets.len() + hypothesis::MODEL_PAGES.len();
         let targets = |term: &Term| self.targets.get(&term.effect()?.effect.id()).copied();
         let of = |term: &Term| {
             let own = self.target_weights.get(term).copied();
             let weight = own.unwrap_or_else(|| 1.0 / targets(term).unwrap_or(1) as f64);
             let unknowns = term.penalised_unknowns(self.context());
-            unknowns as f64 * readings.ln() + 2.0 * (kinds as f64 / weight).ln()
+            let searched = unknowns as f64 * readings.ln() + 2.0 * (kinds as f64 / weight).ln();
+            let own = self.prices.get(term).copied();
+            own.map_or(searched, |own| own.min(searched))
         };
         terms.iter().map(of).sum()
     }

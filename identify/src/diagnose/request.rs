@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use sesc_model::effects::{Catalog, Experiment};
-use sesc_model::{DataUsed, Model, ModelFile, Snapping};
+use sesc_model::{DataUsed, Model, ModelFile, MotionCounted, Snapping};
 
 use super::experiment::NextLog;
 use super::findings::{About, Diagnosis, Explained, NextPostures, Score, Verdict};
@@ -25,7 +25,7 @@ use super::{experiment, motion, noise, samples, verdict};
 use crate::feet::{Feet, Places};
 use crate::fit::fitted::Fitted;
 use crate::fit::prior::{Prior, PriorChoice};
-use crate::fit::{Request as FitRequest, check_result, fit, gather_as};
+use crate::fit::{Request as FitRequest, check_result, fit, gather_as, offset};
 use crate::health::{self, Finding, Health};
 use crate::logs::{
     Angles, LogSource, Options, PostureReader, ROOM, Readings, Samples, Sidecar, Stays,
@@ -63,6 +63,9 @@ pub struct Request {
     pub prior: PriorChoice,
     /// Standard deviation of a single reading on one axis, m; the log's unless given.
     pub noise: Option<f64>,
+    /// Standard deviation of an offset of readings before the data, m: 0 where it costs what every
+    /// effect does; as readings of feet and plates are off unless given.
+    pub offset: Option<f64>,
     /// Added to the noise of a posture in quadrature, m.
     pub floor: f64,
     /// Whether the motion of the joints counts.
@@ -102,6 +105,7 @@ impl Request {
             effects: Catalog::standard(),
             prior: PriorChoice::from(Prior::OF_DIAGNOSES),
             noise: None,
+            offset: None,
             floor: FLOOR_M,
             motion: MotionModel::Auto,
             stays: Stays::default(),
@@ -188,6 +192,7 @@ fn rows_hash(postures: &Postures) -> u64 {
 /// `Interrupted` where `watch` stops it.
 pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     check_noise(request)?;
+    let offset_stds = offset::tried(request.offset)?;
     let watch = &mut Recorder::new(watch);
     let robot = &request.robot;
     let (samples, model) = read(request, watch)?;
@@ -230,7 +235,9 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
         let others = others.iter().cloned();
         let others = others.map(|(block, experiment)| block.beside(&first, experiment));
         let blocks = [first.clone()].into_iter().chain(others).collect();
-        samples::explained(Problem::new(blocks, &prior), &about, watch)
+        let mut problem = Problem::new(blocks, &prior);
+        problem.offset_stds.clone_from(&offset_stds);
+        samples::explained(problem, &about, watch)
     };
     let (mut problem, mut found, mut correlation) = explain(&data, request.motion, watch)?;
     let share = motion::said(&problem, &found.best);
@@ -401,6 +408,7 @@ fn masses_before(request: &Request, model: &Model, watch: &mut dyn Watch) -> Res
         robot: Some(Arc::clone(&request.robot)),
         snapping: request.snapping,
         noise: request.noise,
+        offset: request.offset,
         motion: request.motion,
         stays: request.stays,
         prior: prior_of_healthy(request),
@@ -622,6 +630,9 @@ fn stand(request: &Request, first: &str, log: &LogSource) -> Result<(Experiment,
 /// The model file, with all logs that it was found in.
 fn with_data(request: &Request, problem: &Problem, found: &Explained) -> ModelFile {
     let mut file = model_file(problem, &found.best);
+    if request.motion == MotionModel::Off {
+        file.motion = Some(MotionCounted::Static);
+    }
     let logs = [&request.log].into_iter().chain(&request.then);
     file.data = logs
         .zip(problem.blocks.iter())

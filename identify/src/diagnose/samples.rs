@@ -6,9 +6,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::criteria::{COUNTS, LONGER, STAYED};
+use super::criteria::{COUNTS, LONGER, SIZES, STAYED};
 use super::findings::{About, Explained};
-use super::nuisance::Nuisance;
+use super::hypothesis::{Term, effect_terms};
 use super::problem::{Block, Fit, OnBlock, Problem};
 use super::{diagnosis, noise};
 use crate::Error;
@@ -81,36 +81,59 @@ pub(super) fn explained<'m>(
     Ok((problem, found, correlation))
 }
 
-/// Correlation of what a fit leaves on each axis, log by log.
+/// Correlation of what a fit leaves on each axis, log by log, beside masses within the usual
+/// tolerances of CAD at least, and whatever the sensor, the ground and the clock may do: a gap that
+/// nothing explains yet would pass for noise that lasts for ever. They do so by a few of their
+/// ordinary sizes: columns hold the noise of joints, and a gain of −1 would take that from readings.
 fn correlations(problem: &Problem, fit: &Fit) -> Vec<[Correlation; 2]> {
-    let masses = problem.masses(&fit.terms);
-    let blocks = problem.blocks.iter().zip(&fit.blocks);
+    let masses = match problem.is_wider() {
+        true => problem.masses(&[Term::Masses]),
+        false => problem.masses(&fit.terms),
+    };
+    let (context, contexts) = (problem.context(), problem.posture_contexts(Some(fit)));
+    let scales = fit.terms.iter().flat_map(|term| term.scales(context));
+    let mut slopes = vec![(fit.blocks.clone(), scales.collect::<Vec<f64>>())];
+    for term in effect_terms(context) {
+        let is_new = term.is_of_all_readings() && !fit.terms.contains(&term);
+        if let ([start], true) = (&term.starts(context)[..], is_new) {
+            let own = problem.predict(std::slice::from_ref(&term), start, &contexts, None);
+            slopes.push((own, term.scales(context)));
+        }
+    }
+    let blocks = problem.blocks.iter().zip(&fit.blocks).enumerate();
     let blocks = blocks.zip(problem.readings());
-    let blocks = blocks.map(|((block, own), range)| correlation(block, own, masses, range.start));
+    let blocks = blocks.map(|((at, (block, own)), range)| {
+        let of = |(blocks, scales): &(Vec<OnBlock>, Vec<f64>)| {
+            let mut slopes = (*blocks[at].slopes).clone();
+            let columns = slopes.column_iter_mut().zip(scales);
+            columns.for_each(|(mut column, scale)| column *= SIZES * scale);
+            slopes
+        };
+        let mut held: Vec<DMatrix<f64>> = slopes.iter().map(of).collect();
+        if !masses.is_negligible() {
+            let columns = masses.columns();
+            held.push(columns.rows(range.start, range.len()).into_owned());
+        }
+        correlation(block, own, &held)
+    });
     blocks.collect()
 }
 
-/// Correlation of what a fit leaves of a log whose readings begin at a row of those of all.
-fn correlation(block: &Block, own: &OnBlock, masses: &Nuisance, from: usize) -> [Correlation; 2] {
+/// Correlation of what a fit leaves of a log, about a shift of each axis and beside whitened columns
+/// whose coefficients have deviation one.
+fn correlation(block: &Block, own: &OnBlock, held: &[DMatrix<f64>]) -> [Correlation; 2] {
     let Some(t) = &block.data.t else {
         return [Correlation::NONE; 2];
     };
+    let held: Vec<_> = held.iter().flat_map(DMatrix::column_iter).collect();
     [0, 1].map(|axis| {
-        let n = block.data.len();
-        let y = DVector::from_fn(n, |k, _| own.residual[2 * k + axis]);
-        let unknowns = own.slopes.ncols();
-        let columns = masses.columns();
-        // Their coefficients have deviation one.
-        let held = match masses.is_negligible() {
-            true => 0,
-            false => columns.ncols(),
-        };
-        let x = DMatrix::from_fn(n, 1 + unknowns + held, |k, c| match c {
-            0 => 1.0,
-            c if c <= unknowns => own.slopes[(2 * k + axis, c - 1)],
-            c => columns[(from + 2 * k + axis, c - 1 - unknowns)],
+        let row = |k: usize| 2 * k + axis;
+        let y = DVector::from_fn(t.len(), |k, _| own.residual[row(k)]);
+        let x = DMatrix::from_fn(t.len(), 1 + held.len(), |k, c| match c.checked_sub(1) {
+            None => block.weight[row(k)],
+            Some(c) => held[c][row(k)],
         });
-        Correlation::with_held(t, &y, &x, held)
+        Correlation::with_held(t, &y, &x, held.len())
     })
 }
 
@@ -147,9 +170,15 @@ pub(super) fn of_logs(problem: &Problem, correlation: &[[Correlation; 2]]) -> Sa
 fn add(block: &Block, correlation: &[Correlation; 2], sum: &mut Sum) {
     let data = &block.data;
     let timed = data.t.as_ref().is_some_and(|t| step(t).is_some());
+    // Rows of the log for one that was looked at.
+    let looked_at = data.rows_per_posture * data.len() as f64;
+    let every = (data.rows as f64 / looked_at).max(1.0);
     // Postures count by what their stays are worth, and may be correlated themselves.
     let rows_of = |k: usize| {
-        let (within, beside) = (data.within_stays[k], correlation[k]);
+        let (within, mut beside) = (data.within_stays[k], correlation[k]);
+        if beside.process.is_some() {
+            beside.rows_per_sample *= every;
+        }
         match within.rows_per_sample > 1.0 && data.rows_per_posture > STAYED {
             true => Correlation {
                 rows_per_sample: within.rows_per_sample * beside.rows_per_sample,

@@ -37,6 +37,8 @@ impl<'m> Search<'m> {
         let base = Dictionary::new(&problem, None);
         let visible = base.visible(&problem);
         problem.weigh_targets(&visible);
+        let null = problem.fit(&[], None, ALL);
+        problem.prices.extend(base.price_of_offset(&null, &problem));
         Search {
             problem: Arc::new(problem),
             known: HashMap::new(),

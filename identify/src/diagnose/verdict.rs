@@ -67,14 +67,17 @@ fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
             let rest = format!("these data cannot tell {it} from {shown}{more}.");
             missing("most plainly ", &rest);
         }
-        Verdict::TooShort => {
-            let [rows, directions] = problem.first().too_few().unwrap_or_default();
-            parts.push(format!(
+        Verdict::TooShort => parts.push(match problem.first().too_few() {
+            Some([rows, directions]) => format!(
                 "The log is too short: {rows} readings for {directions} directions of the masses leave \
                  too few to tell the noise from, so that it is not known whether something is \
                  missing. Record more postures, reach some of them again, or state the noise."
-            ));
-        }
+            ),
+            None => "The log is too short: what is left lasts for more than a fifth of it, so that it \
+                     is not known whether it is noise or something missing. Record at least five \
+                     times as long, or postures that the robot holds and reaches again."
+                .to_string(),
+        }),
         Verdict::Unusable => {
             parts.push("No effect is looked for in these data.".to_string());
         }

@@ -1,8 +1,11 @@
 //! Every number that decides what a fit says, and where it comes from.
 
-/// Held-out errors beyond this many times the noise are mentioned. Chosen: half of it mentions
-/// most fits.
-pub(super) const FAR: f64 = 2.0;
+/// Held-out errors beyond this many times the noise ask for a diagnosis. Chosen: half the excess
+/// asks for one after most fits of few postures, twice as much misses ankles that are off by 1°.
+pub(super) const FAR: f64 = 1.5;
+/// Axes of which one leaves this many times as much as the other ask for one, too, where no repeats
+/// tell their noise. Chosen: readings of a long sole differ by its length over its width, about two.
+pub(super) const GROSSLY: f64 = 3.0;
 /// A parameter is elsewhere than in CAD by this at least, m. Chosen: what CAD's usual tolerance
 /// of a centre of mass is; half of it lists parameters that such a CAD has.
 pub(super) const ELSEWHERE_M: f64 = 5e-3;

@@ -1,11 +1,12 @@
 //! From gathered logs to parameters with their uncertainty, observability and held-out error.
 
-use super::criteria::{ELSEWHERE_M, FAR, SURELY};
+use super::criteria::{ELSEWHERE_M, FAR, GROSSLY, SURELY};
 use nalgebra::DVector;
 use sesc_model::Model;
 
 use super::gather::{Fold, Gathered};
 use super::identification::{Identification, ParameterFound, Settings};
+use super::offset::{self, Wide};
 use super::physical;
 use super::prior::Tolerances;
 use super::summary::{
@@ -40,11 +41,11 @@ pub fn identify(
         sum: whole.residual_sum(&free.params) / gathered.consistency - within,
         // Rows that a robust fit trusts less count less.
         df: 2.0 * gathered.trusted - free.rank as f64 - df_within as f64,
-        of_cad: (whole.residual_sum(&cad) / rows).sqrt(),
+        of_cad: (offset::left_about(model, whole, &cad) / (2.0 * gathered.trusted)).sqrt(),
     };
     let mut warnings = Vec::new();
     let known = gathered.known_noise(settings.noise);
-    let noise = Noise::known(&known, Some(left)).unwrap_or_else(|| Noise::left_over(left));
+    let noise = Noise::known(&known).unwrap_or_else(|| Noise::left_over(left));
     let noise = match gathered.repeats.of_reading() {
         // The scatter of visits is that of as many readings together.
         Some(floor) if noise.source == NoiseSource::Repeats => Noise { floor, ..noise },
@@ -114,23 +115,50 @@ pub fn identify(
             }
         }
     };
-    let mut estimate = seen.solve(whole, sigma, &centre, prior.as_ref());
+    // An offset of readings, where that is by far likelier than masses that are off alone.
+    let wide = prior
+        .as_ref()
+        .filter(|_| supports.len() == 1 && settings.limits.is_none());
+    let wide = wide
+        .and_then(|prior| Wide::chosen(model, &together, sigma, &centre, prior, &settings.offset));
+    let of_readings = wide.as_ref().map(|wide| &wide.factor).or(prior.as_ref());
+    let mut estimate = seen.solve(whole, sigma, &centre, of_readings);
     let (params, masses) = bounded(&together, estimate.params);
     estimate.params = params;
-    let rows = whole.r() / sigma;
+    let params_of_readings = estimate.params.clone();
+    let mut rows = whole.r() / sigma;
+    let held_out = held_out(gathered, |others| {
+        let free = others.params(sigma, &centre, of_readings);
+        bounded(others, free).0
+    });
+    let offset = wide.map(|wide| {
+        rows = wide.rows_of_masses(&rows);
+        let (of_masses, offset) = wide.split(&estimate, whole, sigma, &centre);
+        estimate = of_masses;
+        offset
+    });
     let information = match &prior {
         Some(prior) => information(&rows, prior, Beyond::Exact),
         None => of_rows(&rows, &estimate.unseen),
     };
-    let held_out = held_out(gathered, |others| {
-        let free = others.params(sigma, &centre, prior.as_ref());
-        bounded(others, free).0
-    });
+    if let Some(offset) = &offset {
+        warnings.push(offset.sentence());
+    }
     if held_out.rmse > FAR * noise.floor && !guessed {
         warnings.push(format!(
             "postures the fit did not see are off by {:.1} times the noise: too few postures, or \
              the model misses something",
             held_out.rmse / noise.floor
+        ));
+    }
+    let axes = gathered.noise_by_axis();
+    if noise.source == NoiseSource::Residuals
+        && axes[0].max(axes[1]) > GROSSLY * axes[0].min(axes[1])
+    {
+        warnings.push(format!(
+            "what is left is {:.1} times as large on one axis as on the other, which sensors seldom \
+             are: the model misses something, or repeated readings would tell",
+            axes[0].max(axes[1]) / axes[0].min(axes[1])
         ));
     }
     if let Some(reason) = failures.first() {
@@ -188,10 +216,11 @@ pub fn identify(
         },
         lack_of_fit,
         inflation,
+        offset,
         held_out_rmse: held_out.rmse,
         held_out_error: held_out.error,
         folds: held_out.folds,
-        in_sample_rmse: rms(plain.residual_sum(&estimate.params), plain.rows()),
+        in_sample_rmse: rms(plain.residual_sum(&params_of_readings), plain.rows()),
         cad_rmse: rms(plain.residual_sum(&cad), plain.rows()),
         expected_error_data: rms(data_error, plain.rows()),
         expected_error_range: match &settings.over_range {
@@ -212,6 +241,7 @@ pub fn identify(
         warnings_of_logs: 0,
         active_bounds: masses.as_ref().map(|masses| masses.active.clone()),
         estimate,
+        params_of_readings,
         information,
         masses,
     }

@@ -10,6 +10,7 @@
 use nalgebra::{DMatrix, DVector};
 use sesc_model::{Model, ModelFile};
 
+use super::offset;
 use crate::Error;
 
 /// Base parameters of one robot and how well they are known, with the logs that they are from.
@@ -57,7 +58,8 @@ impl Fitted {
         if let Some(reason) = file.invalid_reason() {
             return Err(bad(&reason));
         }
-        if !file.effects.is_empty() {
+        // An offset belongs to the log, not to the robot.
+        if file.effects.iter().any(|own| own.effect != offset::OFFSET) {
             return Err(bad(
                 "it has effects, so that it is not of a healthy robot; give the file that `fit` \
                  wrote of one",

@@ -160,9 +160,9 @@ impl Gathered {
     /// A log begins whose noise is like `timing` says; without, its rows are independent.
     pub fn begin_log(&mut self, timing: &Timing) {
         self.stream = Stream::new(timing);
-        self.correlated |= self.stream.whitens();
+        self.correlated |= self.stream.whitens() || timing.trust < 1.0;
         // Rows do not count as they are.
-        if self.stream.whitens() || timing.axes != [1.0; 2] {
+        if self.stream.whitens() || timing.axes != [1.0; 2] || timing.trust < 1.0 {
             for fold in &mut self.folds {
                 fold.part_plain();
             }
@@ -260,15 +260,16 @@ impl Gathered {
             self.deal(rows, plain, folding, |_| Goal::Plain);
             return Ok(());
         }
-        self.trusted += trust.iter().sum::<f64>();
+        let counts = self.stream.timing.trust;
+        self.trusted += counts * trust.iter().sum::<f64>();
         let weighed = (0..block.len()).flat_map(|k| {
-            let weight = |axis: usize| trust[k].sqrt() / std[k][axis];
+            let weight = |axis: usize| (counts * trust[k]).sqrt() / std[k][axis];
             [0, 1].map(|axis| (keys[k], rows_of(k)[axis], weight(axis)))
         });
         // The deviation that all rows of a fold have, if it is one.
         let each = |rows: &Share| {
             let each = std[rows.first()?.0 / 2][0];
-            let is_it = |k: usize| trust[k] == 1.0 && std[k] == [each; 2];
+            let is_it = |k: usize| counts * trust[k] == 1.0 && std[k] == [each; 2];
             rows.iter().all(|(row, _)| is_it(row / 2)).then_some(each)
         };
         self.deal(rows, weighed, folding, |shares| {
@@ -359,7 +360,7 @@ impl Gathered {
         self.samples.push(rows, &timing.correlation, timing.timed);
         let (moving, square) = stream.moving;
         self.motion.merge(&MotionUse {
-            used: moving > 0,
+            used: square > 0.0,
             rms_m: match moving {
                 0 => timing.motion.rms_m,
                 moving => (square / (2 * moving) as f64).sqrt(),

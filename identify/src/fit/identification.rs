@@ -2,13 +2,15 @@
 
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use sesc_model::{Information, Model, ModelFile};
 
+use super::criteria::{FAR, GROSSLY};
 use super::gather::{DownWeighted, LogUsed};
 use super::limits::Limits;
 use super::masses::Masses;
+use super::offset::{self, Offset};
 use super::prior::Prior;
 use crate::NextStep;
 use crate::feet::ClosureFound;
@@ -30,6 +32,8 @@ pub struct Settings {
     pub noise: Option<f64>,
     /// Range over which errors are expected: ±rad about zero within the limits.
     pub range: Option<f64>,
+    /// Deviations of an offset of readings that are tried, m; none where there is none.
+    pub offset: Vec<f64>,
     /// Where masses can be; anywhere where not given.
     pub(super) limits: Option<Limits>,
     /// What [`over_range`](super::summary::over_range()) makes of the model, where it is known.
@@ -43,6 +47,7 @@ impl Settings {
             prior,
             noise: None,
             range: None,
+            offset: offset::STD_M.to_vec(),
             limits: None,
             over_range: None,
         }
@@ -164,6 +169,10 @@ pub struct Identification {
     pub lack_of_fit: Option<LackOfFit>,
     /// Factor on standard deviations for misfit.
     pub inflation: f64,
+    /// By how much all readings are shifted; none where that is not by far likelier than masses
+    /// that are off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset: Option<Offset>,
     /// RMS on held-out postures, m.
     pub held_out_rmse: f64,
     /// Standard error of that, m.
@@ -211,6 +220,9 @@ pub struct Identification {
     #[doc(hidden)]
     #[serde(skip)]
     pub estimate: Estimate,
+    /// Base parameters that readings have, m: with the offset in r_0.
+    #[serde(skip)]
+    pub(super) params_of_readings: DVector<f64>,
     /// Inverse covariance of the parameters, prior included.
     #[serde(skip)]
     pub information: Information,
@@ -221,9 +233,16 @@ pub struct Identification {
 }
 
 impl Identification {
-    /// Whether the fit leaves more than the noise: then a diagnosis can say what it misses.
+    /// Whether the fit leaves more than the noise, on postures that it saw or did not see, or takes
+    /// an offset: then a diagnosis can say what it misses.
     pub fn misses_something(&self) -> bool {
-        self.inflation > 1.0 || self.closure.as_ref().is_some_and(|closure| !closure.closes)
+        let known = self.noise_source != NoiseSource::Unknown;
+        let far = known && self.held_out_rmse > FAR * self.noise_floor;
+        let [x, y] = self.noise_axes;
+        let by_residuals = self.noise_source == NoiseSource::Residuals;
+        let grossly = by_residuals && x.max(y) > GROSSLY * x.min(y);
+        let open = self.closure.as_ref().is_some_and(|closure| !closure.closes);
+        self.inflation > 1.0 || self.offset.is_some() || far || grossly || open
     }
 
     /// Whether the data can be used: what was fitted to others is no result.
@@ -263,6 +282,8 @@ impl Identification {
         }
         file.inform(self.information.clone());
         file.noise_floor = Some(self.noise_floor);
+        file.motion = self.motion.counted();
+        file.effects.extend(self.offset.iter().map(Offset::record));
         file.data.clone_from(&self.data);
         file
     }

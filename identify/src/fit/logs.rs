@@ -125,10 +125,18 @@ impl<'r> Logs<'r> {
         let (request, robot) = (self.request, Arc::clone(&self.robot));
         let mut measurement = Measurement::new(&robot, &self.support, request.snapping)?;
         let masses = self.masses(measurement.model())?;
+        let usual = Tolerances::usual().factor(measurement.model());
+        let tolerances = (&masses, &usual);
         for samples in &self.samples {
             let apart = (self.folds, request.noise.is_none());
             let mut rows = samples.rows()?;
-            let timing = Timing::read(&mut rows, &mut measurement, apart, request.motion, &masses)?;
+            let timing = Timing::read(
+                &mut rows,
+                &mut measurement,
+                apart,
+                request.motion,
+                tolerances,
+            )?;
             self.timings.push(timing);
         }
         let mut gathered = self.pass(&mut measurement, None, "reading", watch)?;

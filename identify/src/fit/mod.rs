@@ -20,6 +20,7 @@ mod mass_tests;
 pub(crate) mod masses;
 #[cfg(test)]
 mod noise_tests;
+pub(crate) mod offset;
 pub mod part;
 mod physical;
 pub mod population;
@@ -48,6 +49,8 @@ pub use identification::{
 };
 #[doc(hidden)]
 pub use masses::Masses;
+pub(crate) use offset::OFFSET;
+pub use offset::Offset;
 pub use request::{Duplicates, FOLDS, Request};
 pub use robust::Loss;
 pub use run::{Report, fit, gather, residuals};

@@ -42,6 +42,9 @@ pub struct Request {
     pub folds: Option<usize>,
     /// Errors are expected for joints within ± this of zero, rad; else for their limits.
     pub range: Option<f64>,
+    /// Standard deviation of an offset of readings before the data, m: 0 for none; as readings of
+    /// feet and plates are off unless given.
+    pub offset: Option<f64>,
     /// Whether masses have to be possible.
     pub physical: bool,
     /// Whether some of the readings are wanted beside their predictions.

@@ -69,7 +69,7 @@ pub(super) fn sample(
 ) -> Result<Sample, Error> {
     let mut measurement = logs.measurement()?;
     let cad = DVector::from_vec(measurement.model().cad_params());
-    let params = &found.estimate.params;
+    let params = &found.params_of_readings;
     let mut kept: Vec<(usize, Residual)> = Vec::new();
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut seen = 0;

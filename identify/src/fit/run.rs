@@ -8,7 +8,7 @@
 
 use std::sync::Arc;
 
-use sesc_model::{Model, ModelFile, Snapping};
+use sesc_model::{Model, ModelFile, MotionCounted, Snapping};
 
 use super::corrected::{Corrected, check_positive, correct, masses_of};
 use super::estimate::identify;
@@ -16,6 +16,7 @@ use super::identification::{Identification, Settings};
 use super::limits::Limits;
 use super::logs::Logs;
 use super::masses::Masses;
+use super::offset;
 use super::part::{FORMAT, Part, PartOptions};
 use super::prior::Prior;
 use super::request::{Duplicates, Request};
@@ -113,6 +114,7 @@ impl Report {
 pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     check_positive(Setting::Noise, request.noise, " m")?;
     check_positive(Setting::Range, request.range.map(f64::to_degrees), "°")?;
+    let offset = offset::tried(request.offset)?;
     let watch = &mut Recorder::new(watch);
     let (logs, part) = joined(request, is_alone(request), watch)?;
     // The robot of the logs is read already; that of parts is in them.
@@ -128,6 +130,7 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     let mut settings = Settings {
         noise: request.noise,
         range: request.range,
+        offset,
         ..Settings::new(request.prior.of(&model)?)
     };
     if request.physical && matches!(settings.prior, Prior::Population(_) | Prior::Fitted(_)) {
@@ -160,7 +163,10 @@ pub fn fit(request: &Request, watch: &mut dyn Watch) -> Result<Report, Error> {
     found.warnings_of_logs = watch.warnings.len();
     let of_logs = watch.warnings.iter().map(|warning| warning.to_string());
     found.warnings.splice(0..0, of_logs);
-    let model_file = found.model_file(&model);
+    let mut model_file = found.model_file(&model);
+    if request.motion == MotionModel::Off {
+        model_file.motion = Some(MotionCounted::Static);
+    }
     check_result(&model_file)?;
     let mut report = Report {
         model_file,

@@ -14,6 +14,7 @@ use statrs::distribution::{ContinuousCDF as _, FisherSnedecor};
 use crate::Error;
 use crate::logs::{Block, PostureReader};
 use crate::observations::correlation::{self, Correlation};
+use crate::observations::criteria::correlation::SHORT;
 use crate::observations::criteria::repeats::UNLIKELY;
 use crate::observations::grouping::{DOWN, Grouping};
 use crate::observations::motion::{Plan, Wanted};
@@ -40,6 +41,9 @@ pub struct Timing {
     pub axes: [f64; 2],
     /// The same of rows that were freed of their correlation.
     pub freed: [f64; 2],
+    /// What a row counts: less than one where noise lasts for too much of the log to be told from a
+    /// misfit, so that rows are not freed of it.
+    pub trust: f64,
     /// Whether times run forward.
     pub timed: bool,
     /// First time and length of the blocks that are held out, s; none where postures are.
@@ -61,6 +65,7 @@ impl Timing {
         correlation: [Correlation::NONE; 2],
         axes: [1.0; 2],
         freed: [1.0; 2],
+        trust: 1.0,
         timed: false,
         blocks: None,
         long: false,
@@ -70,7 +75,8 @@ impl Timing {
     };
 
     /// Read on until enough is known. `own_axes`: whether axes may differ where the log
-    /// states no deviations; `masses`: F of how far these may be off, p × m.
+    /// states no deviations; `masses`: F of how far these may be off, p × m, and how far they usually
+    /// are.
     ///
     /// # Errors
     /// What is wrong with the log.
@@ -79,7 +85,7 @@ impl Timing {
         measurement: &mut Measurement<'_>,
         (folds, own_axes): (usize, bool),
         motion: MotionModel,
-        masses: &DMatrix<f64>,
+        (masses, usual): (&DMatrix<f64>, &DMatrix<f64>),
     ) -> Result<Timing, Error> {
         let (mut first, mut ended) = (Block::default(), false);
         while first.len() < ROWS && !ended {
@@ -94,14 +100,14 @@ impl Timing {
             MotionModel::Auto => Plan::of(t, &first.q, measurement.model().dof()),
             MotionModel::Off => None,
         };
+        let cad = DVector::from_vec(measurement.model().cad_params());
         let timing = |head: Head| {
             let own_axes = own_axes && first.std.is_none();
-            head.timing(folds, own_axes, !ended)
+            head.timing(folds, own_axes, !ended, (&cad, usual))
         };
         let moving = Head::of(&first, measurement, plan.as_ref())?;
         // RMS of what motion adds to readings, m.
         let seen = rms(moving.shift.iter().flatten().copied());
-        let cad = DVector::from_vec(measurement.model().cad_params());
         let column = moving.moves.then(|| moving.column(&cad));
         let found = timing(moving);
         let rows = found.correlation.map(|axis| axis.rows_per_sample);
@@ -245,7 +251,14 @@ impl Head {
         self.matrices.push(matrix);
     }
 
-    fn timing(self, folds: usize, own_axes: bool, long: bool) -> Timing {
+    /// Noise is what is left beside masses that are off by their usual tolerances.
+    fn timing(
+        self,
+        folds: usize,
+        own_axes: bool,
+        long: bool,
+        (cad, usual): (&DVector<f64>, &DMatrix<f64>),
+    ) -> Timing {
         let is_timed = self.t.len() == self.rows;
         let step = correlation::step(&self.t).filter(|_| is_timed);
         let axes = [self.axis(0), self.axis(1)];
@@ -253,11 +266,20 @@ impl Head {
             Some(_) if self.rows >= ROWS_OF_STAY * self.stays.len() => {
                 Correlation::of_stays(&self.t, &axes[axis].1, &axes[axis].0, &self.stays)
             }
-            Some(_) => Correlation::of(&self.t, &axes[axis].1, &axes[axis].0),
+            Some(_) => {
+                let (x, y) = &axes[axis];
+                let held = x * usual;
+                let columns = DMatrix::from_fn(self.rows, 1 + held.ncols(), |k, c| match c {
+                    0 => 1.0 / self.std[k][axis],
+                    c => held[(k, c - 1)],
+                });
+                Correlation::with_held(&self.t, &(y - x * cad), &columns, held.ncols())
+            }
             None => Correlation::NONE,
         };
         let correlation = [of(0), of(1)];
         let longest = correlation[0].time_s.max(correlation[1].time_s);
+        let is_short = 0.5 * rows_per_sample(&correlation) > SHORT * self.rows as f64;
         let blocks = step.filter(|_| self.repeats.postures == self.rows as u64);
         let blocks = blocks.map(|step| {
             let length = self.t[self.rows - 1] - self.t[0] + step;
@@ -271,7 +293,17 @@ impl Head {
         Timing {
             axes: own,
             freed: self.freed_apart(&axes, &correlation).unwrap_or(own),
-            correlation,
+            trust: match is_short {
+                true => 1.0 / rows_per_sample(&correlation),
+                false => 1.0,
+            },
+            correlation: match is_short {
+                true => correlation.map(|axis| Correlation {
+                    process: None,
+                    ..axis
+                }),
+                false => correlation,
+            },
             timed: step.is_some(),
             blocks,
             long,
@@ -301,7 +333,8 @@ impl Head {
         correlation: &[Correlation; 2],
     ) -> [f64; 2] {
         let pure = self.repeats.pure();
-        let squares = match pure.df as f64 >= TO_KNOW_NOISE && self.repeats.rows > 0 {
+        // What a fit leaves is no noise where readings repeat: it is tested against them.
+        let squares = match pure.df > 0 {
             true => [0, 1].map(|axis| (pure.sum[axis] / pure.df as f64, pure.df as f64)),
             false => [0, 1].map(|axis| {
                 let (x, y) = &axes[axis];
@@ -337,6 +370,13 @@ impl Head {
         };
         unalike([0, 1].map(square))
     }
+}
+
+/// Rows per independent one, of the axis that has fewer.
+fn rows_per_sample(correlation: &[Correlation; 2]) -> f64 {
+    correlation[0]
+        .rows_per_sample
+        .max(correlation[1].rows_per_sample)
 }
 
 /// Noise of each axis in units of their RMS by its mean square and degrees of freedom, where they

@@ -64,13 +64,33 @@ fn away(factor: &Factor, cad: &DVector<f64>) -> DVector<f64> {
     factor.z() - factor.r() * cad
 }
 
-/// The step from CAD by data and a prior, and the triangle of (R S / σ; 1).
-pub fn with_prior(
-    factor: &Factor,
-    sigma: f64,
-    cad: &DVector<f64>,
-    s: &DMatrix<f64>,
-) -> (DVector<f64>, DMatrix<f64>) {
+/// What data and a prior say of the unknowns u.
+pub struct Posterior {
+    /// Their mean.
+    pub mean: DVector<f64>,
+    /// T with TᵀT the inverse of their covariance: the triangle of (R S / σ; 1).
+    triangle: DMatrix<f64>,
+    /// ‖Qᵀ b‖², b what CAD leaves over σ: how much less is left by `mean`, its own square counted.
+    explained: f64,
+}
+
+impl Posterior {
+    /// Root of the covariance of s u.
+    pub fn spread(&self, s: &DMatrix<f64>) -> DMatrix<f64> {
+        let half = self.triangle.tr_solve_upper_triangular(&s.transpose());
+        half.unwrap_or_else(|| DMatrix::zeros(s.ncols(), s.nrows()))
+            .transpose()
+    }
+
+    /// −2 log of the evidence of the prior, less what is the same for every prior.
+    pub fn evidence(&self) -> f64 {
+        let log_det = self.triangle.diagonal().map(|x| x.abs().ln()).sum();
+        2.0 * log_det - self.explained
+    }
+}
+
+/// What data and a prior S about CAD say of u.
+pub fn with_prior(factor: &Factor, sigma: f64, cad: &DVector<f64>, s: &DMatrix<f64>) -> Posterior {
     let (p, m) = s.shape();
     let mut stacked = DMatrix::zeros(p + m, m);
     stacked.rows_mut(0, p).copy_from(&(factor.r() * s / sigma));
@@ -78,9 +98,12 @@ pub fn with_prior(
     let (q, r) = stacked.qr().unpack();
     let right = q.rows(0, p).transpose() * (away(factor, cad) / sigma);
     // The identity below makes r regular, with singular values of one or more.
-    let u = r.solve_upper_triangular(&right);
-    let u = u.unwrap_or_else(|| DVector::zeros(m));
-    (s * u, r)
+    let mean = r.solve_upper_triangular(&right);
+    Posterior {
+        mean: mean.unwrap_or_else(|| DVector::zeros(m)),
+        explained: right.norm_squared(),
+        triangle: r,
+    }
 }
 
 /// What rows see, and what they do not.
@@ -147,11 +170,9 @@ impl Seen {
         let (params, covariance) = match prior {
             None => self.step(factor, sigma, &away(factor, cad)),
             Some(s) => {
-                let (p, m) = s.shape();
-                let (params, r) = with_prior(factor, sigma, cad, s);
-                let half = r.transpose().solve_lower_triangular(&s.transpose());
-                let half = half.unwrap_or_else(|| DMatrix::zeros(m, p)).transpose();
-                (params, &half * half.transpose())
+                let posterior = with_prior(factor, sigma, cad, s);
+                let half = posterior.spread(s);
+                (s * posterior.mean, &half * half.transpose())
             }
         };
         Estimate {

@@ -11,6 +11,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
+use sesc_model::MotionCounted;
 
 use super::correlation;
 use super::criteria::CERTAIN;
@@ -163,6 +164,15 @@ impl MotionUse {
         step_s: None,
         sentence: String::new(),
     };
+
+    /// How a model file says it; none where nothing moved.
+    pub(crate) fn counted(&self) -> Option<MotionCounted> {
+        match (self.used, self.share) {
+            (true, _) => Some(MotionCounted::Zmp),
+            (false, Some(_)) => Some(MotionCounted::Static),
+            (false, None) => None,
+        }
+    }
 
     /// With its sentence.
     pub fn told(mut self) -> MotionUse {

@@ -2,8 +2,8 @@
 //! is known.
 //!
 //! ```text
-//! s² = RSS / df                  where the F test finds no more in it than in repeats
-//! s² = SS_pe / df_pe             where it does
+//! s² = SS_pe / df_pe             pure error, where readings repeat
+//! s² = RSS / df                  what a fit with free masses leaves, where nothing else tells
 //! interval of 95 %               ± t_{0.975}(df of s) s √C = ± 1.96 σ √C,  σ = w(df) s
 //! ```
 //!
@@ -31,7 +31,8 @@ pub struct FreeResiduals {
     pub sum: f64,
     /// Its degrees of freedom.
     pub df: f64,
-    /// RMS of what CAD leaves, in the unit of `sum`'s root.
+    /// RMS of what CAD leaves about its mean, in the unit of `sum`'s root: a shift of all readings is
+    /// no noise.
     pub of_cad: f64,
 }
 
@@ -45,7 +46,7 @@ pub enum NoiseSource {
     Given,
     /// Columns of standard deviations.
     Stated,
-    /// Repeated readings, with what a fit leaves where that is of one size with them.
+    /// Repeated readings.
     Repeats,
     /// What a fit with free masses leaves.
     Residuals,
@@ -105,9 +106,9 @@ impl Noise {
     }
 
     /// Given, stated or repeated, in this order; larger where repeats scatter more and
-    /// that is no chance. `None` where nothing is known. `left` is what a fit leaves,
-    /// if there is one whose residuals may count as repeats.
-    pub fn known(known: &Known, left: Option<FreeResiduals>) -> Option<Noise> {
+    /// that is no chance. `None` where nothing is known. What a model leaves is no part of it:
+    /// it is tested against it.
+    pub fn known(known: &Known) -> Option<Noise> {
         let Known {
             given,
             stated,
@@ -124,12 +125,13 @@ impl Noise {
                 ..Noise::new(stated, f64::INFINITY, NoiseSource::Stated)
             }),
             (None, None) if repeats.1 >= FEWEST && repeats.0 > 0.0 => {
-                let (square, df) = pooled(repeats, left);
-                return Some(Noise::new(square.sqrt(), df, NoiseSource::Repeats));
+                let df = repeats.1 as f64;
+                let sigma = (repeats.0 / df).sqrt();
+                return Some(Noise::new(sigma, df, NoiseSource::Repeats));
             }
             (None, None) => None,
         }
-        .map(|noise| noise.unless_repeats_scatter_more(repeats, left))
+        .map(|noise| noise.unless_repeats_scatter_more(repeats))
     }
 
     /// From what a fit leaves, or from what CAD leaves where a fit of few rows leaves
@@ -146,18 +148,13 @@ impl Noise {
     }
 
     /// The noise that repeats show, where it is larger than this one and that is no chance.
-    fn unless_repeats_scatter_more(
-        self,
-        (pure, df): (f64, u64),
-        left: Option<FreeResiduals>,
-    ) -> Noise {
-        let unit = self.sigma * self.sigma;
-        let test = repeats::against_stated(pure / unit, df as f64);
+    fn unless_repeats_scatter_more(self, (pure, df): (f64, u64)) -> Noise {
+        let (unit, df) = (self.sigma * self.sigma, df as f64);
+        let test = repeats::against_stated(pure / unit, df);
         if test.is_none_or(|test| test.p_value >= UNLIKELY || test.ratio <= 1.0) {
             return self;
         }
-        let (square, df) = pooled((pure, df), left);
-        let understated = (square / unit).sqrt().max(1.0);
+        let understated = (pure / df / unit).sqrt();
         Noise {
             sigma: self.sigma * understated,
             floor: self.floor * understated,
@@ -175,29 +172,16 @@ impl Noise {
         })
     }
 
-    /// Does the fit leave more than this noise?
+    /// Does the fit leave more than this noise? Tested with the degrees of freedom that the noise
+    /// is known with.
     pub fn lack_of_fit(&self, repeats: (f64, u64), left: FreeResiduals) -> Option<LackOfFit> {
-        let by_repeats = repeats::lack_of_fit(left.sum, left.df, repeats);
         match self.source {
             NoiseSource::Residuals | NoiseSource::Unknown => None,
-            NoiseSource::Repeats => by_repeats,
-            // Repeats know better than a statement; without them the statement is all.
-            NoiseSource::Given | NoiseSource::Stated => by_repeats
-                .or_else(|| repeats::against_stated(left.sum / self.sigma.powi(2), left.df)),
+            NoiseSource::Repeats => repeats::lack_of_fit(left.sum, left.df, repeats),
+            NoiseSource::Given | NoiseSource::Stated => {
+                repeats::against_stated(left.sum / self.sigma.powi(2), left.df)
+            }
         }
-    }
-}
-
-/// Mean square of repeats and residuals together, unless they are not of one size:
-/// then of repeats alone. With its degrees of freedom.
-fn pooled(repeats: (f64, u64), left: Option<FreeResiduals>) -> (f64, f64) {
-    let alike = |left: &FreeResiduals| {
-        let test = repeats::lack_of_fit(left.sum, left.df, repeats);
-        test.is_some_and(|test| (UNLIKELY..=1.0 - UNLIKELY).contains(&test.p_value))
-    };
-    match left.filter(alike) {
-        Some(left) => (left.sum / left.df, left.df),
-        None => (repeats.0 / repeats.1 as f64, repeats.1 as f64),
     }
 }
 
@@ -268,24 +252,5 @@ mod tests {
         assert!((scale(&values) - 2.0).abs() < 0.01, "{}", scale(&values));
         assert_eq!(scale(&[0.0; 5]), 0.0);
         assert_eq!(scale(&[]), 0.0);
-    }
-
-    #[test]
-    fn repeats_and_residuals_are_one_noise_where_they_are_of_one_size() {
-        let left = |sum: f64| {
-            Some(FreeResiduals {
-                sum,
-                df: 42.0,
-                of_cad: 1.0,
-            })
-        };
-        // 12 of repeats at 2.0 each, 30 others at 2.2 each.
-        let (square, df) = pooled((24.0, 12), left(24.0 + 66.0));
-        assert_eq!((square, df), (90.0 / 42.0, 42.0));
-        // Others at 60 each, and at 0.02: repeats alone.
-        for others in [1800.0, 0.6] {
-            assert_eq!(pooled((24.0, 12), left(24.0 + others)), (2.0, 12.0));
-        }
-        assert_eq!(pooled((24.0, 12), None), (2.0, 12.0));
     }
 }

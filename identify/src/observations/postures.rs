@@ -5,6 +5,7 @@
 //! reading of n rows    ȳ ± s/√n  (s: of a row)        or ± √(Σ s_k²)/n where rows state s_k
 //! ```
 
+use super::criteria::accelerations::APART_S;
 use super::criteria::noise::LEAST_PART;
 use std::collections::BTreeMap;
 use std::collections::HashMap;
@@ -87,7 +88,7 @@ pub struct Postures {
     /// Postures of the log, of which these are an even choice.
     pub postures: usize,
     /// Rows of the log on its support, those that were left out as copies or without contact
-    /// not among them.
+    /// not among them. Of a robot that moves not all are here, see `APART_S`.
     pub rows: u64,
     /// Rows of a posture, on average.
     pub rows_per_posture: f64,
@@ -147,6 +148,8 @@ impl Postures {
         let mut gathering = Gathering::new(samples.options.any_unit);
         let [mut stated, mut timed, mut raw, mut contacts] = [false; 4];
         let (mut elsewhere, mut taken) = (BTreeMap::<String, u64>::new(), 0_u64);
+        // Time and number of the posture that was taken last.
+        let (mut last, moves) = ((f64::NEG_INFINITY, 0), reader.plan.is_some());
         loop {
             let (block, motion) = reader.rows(BLOCK)?;
             if block.is_empty() {
@@ -158,29 +161,35 @@ impl Postures {
             timed |= block.t.is_some();
             raw |= block.cells.is_some();
             contacts |= block.other.is_some();
+            let positions = motion.as_ref().map_or(&block.q, |motion| &motion.positions);
             for k in 0..block.len() {
                 let on = block.support.as_ref().map_or("", |all| &all[k]);
                 if !on.is_empty() && on != support {
                     *elsewhere.entry(on.to_string()).or_default() += 1;
                     continue;
                 }
+                taken += 1;
+                let now = (block.t.as_ref().map_or(0.0, |all| all[k]), block.pose[k]);
+                if moves && now.1 != last.1 && (0.0..APART_S).contains(&(now.0 - last.0)) {
+                    continue;
+                }
+                last = now;
                 let reading = block.reading.as_ref().map_or([0.0; 2], |all| all[k]);
                 let std = block.std.as_ref().map_or([1.0; 2], |all| all[k]);
                 let std = std.map(|s| s.max(LEAST_STD));
                 let gravity = block.gravity.as_ref().map_or(DOWN, |all| all[k]);
                 let row = Posture {
-                    pose: block.pose[k],
+                    pose: now.1,
                     rows: 1.0,
-                    q: block.q[k * dof..(k + 1) * dof].to_vec(),
+                    q: positions[k * dof..(k + 1) * dof].to_vec(),
                     sum: reading,
                     variance: std.map(|s| s * s),
-                    t: block.t.as_ref().map_or(0.0, |all| all[k]),
+                    t: now.0,
                     tilt: rows::tilt(gravity),
                     other: block.other.as_ref().map_or([0.0; 3], |all| all[k]),
                     moving: Motions::of(motion.as_ref(), k, dof),
                 };
                 gathering.push(row, gravity, std);
-                taken += 1;
             }
         }
         gathering.close();
@@ -348,6 +357,55 @@ impl Postures {
         }
         add_noise(&mut self.std, &self.less_known);
         add_noise(&mut self.std, &self.spent);
+    }
+
+    /// What motion makes readings less known by, as far as a fit that took up `taken` of the readings
+    /// left more in motion than at rest, m: polynomials bend what is fast, and count it as noise of
+    /// positions.
+    ///
+    /// ```text
+    /// e² = σ² + f² s²        least squares, f ≤ 1        s: what is said
+    /// ```
+    pub fn limit_motion_noise(&mut self, left: &[f64], taken: f64) {
+        let Some(moved) = &mut self.moved else { return };
+        let share = (1.0 - taken / left.len() as f64).max(0.1).sqrt();
+        let factors = [0, 1].map(|axis| {
+            let own: Vec<f64> = left
+                .iter()
+                .skip(axis)
+                .step_by(2)
+                .map(|e| e / share)
+                .collect();
+            let count = own.len() as f64;
+            let said: Vec<f64> = moved.std.iter().map(|std| std[axis] * std[axis]).collect();
+            let mean = said.iter().sum::<f64>() / count;
+            let spread = said.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>();
+            let pull = own.iter().zip(&said).map(|(e, s)| e * e * (s - mean));
+            let by_motion = match spread > 1e-6 * count * mean * mean {
+                true => (pull.sum::<f64>() / spread).clamp(0.0, 1.0),
+                false => 1.0,
+            };
+            // Odd values do not count.
+            let most = (1.0 - LEAST_PART) * noise::scale(&own).powi(2) / mean;
+            by_motion.min(most).sqrt()
+        });
+        if factors == [1.0; 2] {
+            return;
+        }
+        let known = self.std.iter_mut().zip(&mut self.less_known).enumerate();
+        for (row, (std, less)) in known {
+            let (own, factor) = (moved.std[row / 2][row % 2], factors[row % 2]);
+            let over = own * own * (1.0 - factor * factor);
+            *std = (*std * *std - over).max(0.0).sqrt();
+            *less = (*less * *less - over).max(0.0).sqrt();
+        }
+        let said = |moved: &Moved| rms(moved.std.as_flattened().iter().copied());
+        let before = said(moved);
+        for std in &mut Arc::make_mut(moved).std {
+            *std = [0, 1].map(|axis| std[axis] * factors[axis]);
+        }
+        let over = before.powi(2) - said(moved).powi(2);
+        self.noise_floor = (self.noise_floor.powi(2) - over).max(0.0).sqrt();
     }
 
     /// The noise of each axis is `factors` times as large as it was taken to be.

@@ -165,7 +165,8 @@ impl<'r> Measurement<'r> {
             check_joints(&standing.model, block.q.len() / n)?;
             let gravity = block.gravity.as_ref().map(|all| &all[start..start + count]);
             let tilts = gravity.map(|all| all.iter().map(|g| tilt(*g)).collect::<Vec<_>>());
-            let q = &block.q[start * dof..(start + count) * dof];
+            let q = motion.map_or(&block.q, |motion| &motion.positions);
+            let q = &q[start * dof..(start + count) * dof];
             let moved = motion.map(|motion| {
                 let level = vec![[0.0; 2]; count];
                 let tilts = tilts.as_deref().unwrap_or(&level);

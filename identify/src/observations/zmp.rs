@@ -5,8 +5,9 @@
 //! y − (p⁰ − Y r⁰) = Y r        Y = ∂p/∂r at CAD's r⁰: rows of c and c̈, linear in r
 //! ```
 //!
-//! c and c̈ have rows in the base parameters, L̇ is that of the URDF's masses and inertias. The
-//! products of parameters that p holds are taken to first order about CAD. p⁰ is that of what was
+//! c and c̈ have rows in the base parameters. L̇ and the vertical force are those of the URDF's masses
+//! and inertias: a CoP tells of neither, and the force of masses that are free may be anything. The
+//! product c_z c̈_xy is taken to first order about CAD. p⁰ is that of what was
 //! read, Y of [smooth](super::motion::Smooth) motion: noise that both shared would bend the fit. How well
 //! accelerations and positions are known adds to the noise:
 //! `σ² = Σ_j a_j² + b_j² + 2 ρ a_j b_j`, `a_j = (∂p/∂q̈_j) σ(q̈_j)`, `b_j = (∂c/∂q_j) σ(q_j)`, where ρ is
@@ -103,13 +104,9 @@ impl Moved {
         let row = |row: usize| &smooth[row * p..(row + 1) * p];
         self.correction.push([0, 1].map(|axis| {
             let push = by.gain[axis] - GRAVITY * tilt[axis];
-            let pushed = by.pushed(axis, tilt);
-            let (com, height, gain, lift) = (row(axis), row(2), row(3 + axis), row(5));
+            let (com, height, gain) = (row(axis), row(2), row(3 + axis));
             let inverse = 1.0 / by.load();
-            let entry = |k: usize| {
-                let moments = push * height[k] + by.com[2] * gain[k] - pushed * lift[k];
-                com[k] - moments * inverse
-            };
+            let entry = |k: usize| com[k] - (push * height[k] + by.com[2] * gain[k]) * inverse;
             let start = self.rows.entries.len();
             self.rows.entries.extend((0..p).map(entry));
             let pairs = self.rows.entries[start..].iter().zip(&zmp.params);
@@ -219,6 +216,28 @@ impl Zmp {
         let all = out.chunks_exact(self.tape.outputs()).zip(tilts);
         all.map(|(out, tilt)| self.parts(out, params).shift(*tilt))
             .collect()
+    }
+
+    /// What motion adds where base parameters are `off` CAD's by so much, m: as rows of
+    /// [`Zmp::moved`] have it.
+    pub fn shifts_by_masses(
+        &self,
+        off: &[f64],
+        q: &[f64],
+        (rates, gains): (&[f64], &[f64]),
+        tilts: &[[f64; 2]],
+    ) -> Vec<[f64; 2]> {
+        let out = self.run(&self.tape, [q, rates, gains]);
+        let all = out.chunks_exact(self.tape.outputs()).zip(tilts);
+        let of = |(out, tilt): (&[f64], &[f64; 2])| {
+            let (by, more) = (self.parts(out, &self.params), self.parts(out, off));
+            [0, 1].map(|axis| {
+                let push = by.gain[axis] - GRAVITY * tilt[axis];
+                let moments = push * more.com[2] + by.com[2] * more.gain[axis];
+                -moments / by.load() - tilt[axis] * more.com[2]
+            })
+        };
+        all.map(of).collect()
     }
 
     /// Rows, corrections and deviations of postures `q`, which are `rows` of `motion`.

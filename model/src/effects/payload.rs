@@ -127,15 +127,16 @@ impl Effect for Payload {
             return None;
         };
         // A missing mass is taken from the body that the link is part of.
-        let missing = (
-            -context.mass_of(link),
-            context.mass(),
-            plausible::NEGATIVE_MASS,
-        );
+        let (lacks, lacking) = plausible::LACKING;
+        let lacks = lacks * context.mass_of(link);
+        let (part, on_the_foot) = plausible::ON_THE_FOOT;
+        let on_the_foot = (part * context.mass(), on_the_foot);
+        let stands = context.robot.chain.bodies[0].links.contains(&link);
         let far = libm::hypot(libm::hypot(values[1], values[2]), values[3]);
         match values[0] < 0.0 {
             _ if far > FAR * context.lever_of(link) => Some(plausible::PAYLOAD_FARTHER),
-            true => plausible::outside(missing, values[0]),
+            true => plausible::above((lacks, lacking), -values[0]),
+            false if stands => plausible::above(on_the_foot, values[0]),
             false => plausible::above((context.mass(), plausible::PAYLOAD_HEAVIER), values[0]),
         }
     }

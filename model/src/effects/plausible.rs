@@ -38,8 +38,16 @@ pub const LARGEST_PULL: (f64, &str) = (
 pub const PAYLOAD_HEAVIER: &str = "it would weigh as much as the robot and more";
 /// Reason against a payload at the end of a long pole.
 pub const PAYLOAD_FARTHER: &str = "it would be many times farther out than the robot reaches";
-/// Reason against a link that lacks mass.
-pub const NEGATIVE_MASS: &str = "its body would weigh nothing or less";
+/// What a body lacks of its mass, as a part of it.
+pub const LACKING: (f64, &str) = (
+    0.2,
+    "its body would lack a fifth of its mass and more, which no hardware does unnoticed",
+);
+/// A load on the foot on which the robot stands, as a part of the robot's mass.
+pub const ON_THE_FOOT: (f64, &str) = (
+    0.2,
+    "a fifth of the robot's mass and more on the foot that it stands on does not go unnoticed",
+);
 /// Reason against a spring.
 pub const STIFFNESS: &str = "a spring that does not push back holds nothing";
 

@@ -78,6 +78,16 @@ pub struct DataUsed {
     pub times: Option<[f64; 2]>,
 }
 
+/// How the motion of the joints counted in readings of a CoP.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MotionCounted {
+    /// They are the ZMP.
+    Zmp,
+    /// They are those of standing postures, though joints moved.
+    Static,
+}
+
 /// A number with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Quantity {
@@ -118,6 +128,9 @@ pub struct ModelFile {
     /// Noise of a reading on one axis, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise_floor: Option<f64>,
+    /// How motion counted in the readings that the parameters are from; none where none did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<MotionCounted>,
     /// All base parameters, in their order.
     pub parameters: Vec<Parameter>,
     /// What the parameters were identified from.

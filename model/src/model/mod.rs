@@ -28,7 +28,7 @@ use crate::robot::Robot;
 use crate::snap::Snapping;
 use crate::tree;
 use crate::urdf::Description;
-pub use file::{DataUsed, EffectRecord, ModelFile, Parameter, Quantity};
+pub use file::{DataUsed, EffectRecord, ModelFile, MotionCounted, Parameter, Quantity};
 pub use information::Information;
 pub use posture::{tilted_com, tilted_cop};
 pub use sensor::sensor_reading;
@@ -121,6 +121,19 @@ impl Model {
             .for_each(|(param, value)| param.cad = *value);
         self.param_limits = self.limits_of(values);
         self
+    }
+
+    /// The same robot with the masses of CAD, and the effects of its model file.
+    #[doc(hidden)]
+    pub fn with_cad_masses(&self) -> Model {
+        let mut own = self.clone();
+        let cad = self.cad_params();
+        if let Some(file) = &mut own.file {
+            let pairs = file.parameters.iter_mut().zip(&cad);
+            pairs.for_each(|(own, cad)| own.value = *cad);
+        }
+        own.param_limits = self.limits_of(&cad);
+        own
     }
 
     /// Take identified parameters from a model file.

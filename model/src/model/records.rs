@@ -187,6 +187,7 @@ impl ModelFile {
             hash: robot.tree.hash.clone(),
             support: robot.support().to_string(),
             noise_floor: None,
+            motion: None,
             parameters,
             data: Vec::new(),
             cells: Vec::new(),

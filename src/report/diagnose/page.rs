@@ -123,11 +123,18 @@ fn data<'a>(found: &'a Diagnosis, view: &'a DiagnosisView) -> Data<'a> {
     }
 }
 
+/// Simulation and measurement agree where the gap is at most this many times the noise: what noise
+/// of a few dozen readings may show.
+const AGREES: f64 = 1.2;
+
 /// The finding in a line.
 fn headline(found: &Diagnosis, view: &DiagnosisView) -> String {
     let subjects = view.subjects.join(", and ");
     match found.verdict {
-        Verdict::None => "Simulation and measurement agree".to_string(),
+        Verdict::None if found.baseline.rmse <= AGREES * found.noise_floor => {
+            "Simulation and measurement agree".to_string()
+        }
+        Verdict::None => "Nothing is missing that this noise would let one see".to_string(),
         Verdict::Absorbed => "Masses take the gap: nothing else is visible".to_string(),
         Verdict::Named => format!("The simulation misses {subjects}"),
         Verdict::Class => format!(

@@ -42,6 +42,7 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
         residuals => shown.residuals.len(),
         bounds => &found.active_bounds,
         physical => found.active_bounds.is_some(),
+        misses => found.misses_something(),
         test => found.lack_of_fit.map(Serde),
         gain => found.cad_rmse / found.held_out_rmse,
         told => found.parameters.iter().filter(|p| p.source == "data").count(),

@@ -147,6 +147,7 @@ fn facts(found: &Identification) -> (Vec<Fact>, Vec<Fact>) {
         let verdict = match test.p_value {
             p if p < 1e-3 => "the model misses something",
             p if p < 0.05 => "perhaps more than noise",
+            _ if found.misses_something() => "noise explains it, but not what is warned of below",
             _ => "noise explains it",
         };
         let (ratio, chance) = (test.ratio, chance(test.p_value));

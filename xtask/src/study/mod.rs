@@ -15,6 +15,7 @@ mod com;
 mod effects;
 mod fleet;
 mod health;
+mod labs;
 mod motion;
 mod recordings;
 
@@ -35,10 +36,11 @@ type Scenario = (
     u64,
     Option<for<'a> fn(&'a Asked) -> Plan<'a>>,
 );
-const SCENARIOS: [Scenario; 9] = [
+const SCENARIOS: [Scenario; 10] = [
     ("effects", 400, 800_000, None),
     ("bought", 400, 1, Some(bought::plan)),
     ("com", 150, 1, Some(com::plan)),
+    ("labs", 20, 1, Some(labs::plan)),
     ("recordings", 8, 1, Some(recordings::plan)),
     ("motion", 1, 1, Some(motion::plan)),
     ("false-alarms", 1000, 1, Some(alarms::plan)),
@@ -50,7 +52,7 @@ const SCENARIOS: [Scenario; 9] = [
 /// What to ask how often.
 #[derive(Args)]
 pub struct Study {
-    /// effects, bought, com, recordings, motion, false-alarms, fast-alarms, health or fleet
+    /// effects, bought, com, labs, recordings, motion, false-alarms, fast-alarms, health or fleet
     #[arg(value_parser = SCENARIOS.map(|scenario| scenario.0))]
     scenario: String,
     /// Number of logs, or of logs of each kind; that of the committed table unless given

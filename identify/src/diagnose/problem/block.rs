@@ -30,6 +30,7 @@ use crate::feet::{Closure, Feet, ROWS, of_many, of_one_foot, tell_contacts};
 use crate::health::wirings;
 use crate::logs::Sidecar;
 use crate::observations::correlation::Process;
+use crate::observations::criteria::correlation::SHORT;
 use crate::observations::noise::NoiseSource;
 use crate::observations::postures::Postures;
 use crate::observations::rows::CopRows;
@@ -118,7 +119,7 @@ impl<'m> Block<'m> {
             let standing = std::mem::replace(&mut rows, moved.rows.dense());
             Arc::new(&rows - standing)
         });
-        if data.noise_source == NoiseSource::Residuals {
+        if data.noise_source == NoiseSource::Residuals || data.moved.is_some() {
             let mut out = Evaluator::new(model, Function::Cop).run(&data.q, n);
             let moved = data.moved.iter().flat_map(|moved| &moved.shift);
             let moved = out.iter_mut().zip(moved.flatten());
@@ -126,7 +127,10 @@ impl<'m> Block<'m> {
             let gap = DVector::from_fn(out.len(), |row, _| data.reading[row] - out[row]);
             // Noise, and whatever else is in the log.
             let (left, taken) = without(&rows, gap);
-            data.take_noise(&left, taken);
+            data.limit_motion_noise(&left, taken);
+            if data.noise_source == NoiseSource::Residuals {
+                data.take_noise(&left, taken);
+            }
         }
         Block {
             cad: model.cad_params(),
@@ -286,6 +290,13 @@ impl<'m> Block<'m> {
         let unknown = self.data.noise_source == NoiseSource::Residuals;
         let (rows, directions) = (self.rows.nrows(), self.rows.ncols());
         (unknown && rows < 2 * directions).then_some([rows, directions.min(rows)])
+    }
+
+    /// Whether noise lasts for more than a fifth of the log: then it is not told from a misfit.
+    pub fn noise_lasts_too_long(&self) -> bool {
+        // Time of correlation: half as many rows as an independent one takes.
+        let rows = 0.5 * self.rows_per_sample();
+        self.data.t.is_some() && rows > SHORT * self.data.len() as f64
     }
 
     /// The revolute joints that have a dead band under `terms`, with the place of its width among

@@ -68,7 +68,7 @@ impl Fold {
     ) -> DVector<f64> {
         match prior {
             None => self.seen().solve(&self.weighted, sigma, cad, None).params,
-            Some(s) => cad + with_prior(&self.weighted, sigma, cad, s).0,
+            Some(s) => cad + s * with_prior(&self.weighted, sigma, cad, s).mean,
         }
     }
 

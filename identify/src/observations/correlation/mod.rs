@@ -25,7 +25,7 @@ mod windows;
 use std::ops::Range;
 
 use super::criteria::correlation::{
-    ALIKE, BACKWARDS, ENOUGH, ENOUGH_APART, FEW, FILTERED, LEAP, OF_WINDOWS, ROOM, SCALED,
+    ALIKE, BACKWARDS, ENOUGH, ENOUGH_APART, FEW, FILTERED, LEAP, MEANS_S, OF_WINDOWS, ROOM, SCALED,
     UNDER_WHITE, WORTH_LESS,
 };
 use super::criteria::{AS_GOOD, CERTAIN};
@@ -75,11 +75,20 @@ impl Correlation {
         Correlation::with_held(t, y, x, 0)
     }
 
-    /// The same where the coefficients of the last `held` columns are drawn from N(0, 1).
+    /// The same where the coefficients of the last `held` columns are drawn from N(0, 1), and columns
+    /// count as means over rows that are near in time.
     pub fn with_held(t: &[f64], y: &DVector<f64>, x: &DMatrix<f64>, held: usize) -> Correlation {
         let n = t.len();
         let Some(step) = step(t).filter(|_| n >= ENOUGH) else {
             return Correlation::NONE;
+        };
+        let means;
+        let x = match held {
+            0 => x,
+            _ => {
+                means = without_noise(t, x);
+                &means
+            }
         };
         let fit = Fitted::new((t, y), x, held);
         let mut chosen: Option<Scale> = None;
@@ -145,6 +154,34 @@ impl Correlation {
             None => Correlation::NONE,
         }
     }
+}
+
+/// Columns as means over rows that are near in time: the noise of joints that a row holds is in its
+/// column and in its residual, and would pass for what the column explains.
+fn without_noise(t: &[f64], columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let near = |a: usize, b: usize| (0.0..=MEANS_S).contains(&(t[b] - t[a]));
+    let (mut first, mut last) = (0, 0);
+    let windows = (0..t.len()).map(|k| {
+        first = (first..k).find(|row| near(*row, k)).unwrap_or(k);
+        last = last.max(k);
+        while last + 1 < t.len() && near(k, last + 1) {
+            last += 1;
+        }
+        first..last + 1
+    });
+    let windows: Vec<_> = windows.collect();
+    let mut means = columns.clone();
+    for (mut mean, column) in means.column_iter_mut().zip(columns.column_iter()) {
+        let mut sums = vec![0.0];
+        sums.extend(column.iter().scan(0.0, |sum, x| {
+            *sum += x;
+            Some(*sum)
+        }));
+        for (mean, window) in mean.iter_mut().zip(&windows) {
+            *mean = (sums[window.end] - sums[window.start]) / window.len() as f64;
+        }
+    }
+    means
 }
 
 /// The ordinary step of times that run forward; `None` of others.
@@ -236,15 +273,19 @@ impl Scale {
             x: of_x,
             y: of_y,
         };
-        let mut found = restricted::estimate(&rows)?;
         let mut with_held = None;
-        if held > 0 {
-            for _ in 0..SCALED {
-                let deviation = found.variance.sqrt();
-                let all = with_held.insert(rows.with_coefficients(held, deviation));
-                found = restricted::estimate(all)?;
-            }
+        let mut found = None;
+        // Rows are over their deviations: to begin with, they are right.
+        let mut deviation = 1.0;
+        for _ in 0..if held > 0 { SCALED } else { 0 } {
+            let all = with_held.insert(rows.with_coefficients(held, deviation));
+            let own = found.insert(restricted::estimate(all)?);
+            deviation = own.variance.sqrt();
         }
+        let mut found = match found {
+            Some(found) => found,
+            None => restricted::estimate(&rows)?,
+        };
         let left = &rows.y - &rows.x * &found.params;
         let left = DMatrix::from_row_slice(1, n, left.as_slice());
         let (innovations, _) = mixture::whitened(&rows, left, found.tau, 1.0);

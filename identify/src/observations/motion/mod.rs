@@ -99,15 +99,17 @@ pub enum Wanted {
 /// How the joints move in rows of a log, row by row and joint by joint.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Motion {
+    /// Where joints are, rad or m: by the polynomials, as read where joints stand.
+    pub positions: Vec<f64>,
     /// rad/s or m/s
     pub rates: Vec<f64>,
     /// rad/s² or m/s²
     pub gains: Vec<f64>,
     /// Standard deviation of `gains`.
     pub gains_std: Vec<f64>,
-    /// Standard deviation of the positions that were read, rad or m; 0 of joints that stand.
+    /// Standard deviation of `positions`, rad or m; 0 where nothing moves.
     pub positions_std: Vec<f64>,
-    /// Correlation of `gains` with the positions that were read, which they are made of.
+    /// Correlation of `gains` with `positions`, which are of the same polynomials.
     pub with_positions: Vec<f64>,
     /// First derivative of `gains` in time; 0 where it is not known or not [`Wanted`],
     pub jerks: Vec<f64>,
@@ -196,7 +198,9 @@ impl Plan {
     /// The same without changes of accelerations.
     fn motion_in(&self, t: &[f64], q: &[f64], dof: usize, rows: Range<usize>) -> Option<Motion> {
         let nodes = Nodes::of(t, q, dof, self.step_s, self.half);
-        let moving = self.moving(&nodes)?;
+        let moving = self.moving(&nodes);
+        let stands = moving.is_none();
+        let moving = moving.unwrap_or_else(|| vec![None; dof]);
         let parts = by_parts(rows, PART, |rows| {
             let mut motion = Motion::default();
             let mut positions = PositionNoise::new(dof, nodes.rows);
@@ -206,11 +210,20 @@ impl Plan {
                 let (fit, known) = self.local(&nodes, node);
                 for row in row..row + own.len() {
                     let after = t[row] - nodes.t[node];
-                    self.push(&mut motion, (fit.as_ref(), after), &moving, nodes.rows);
+                    let read = &q[row * dof..(row + 1) * dof];
+                    let at = |joint: usize| nodes.position(node, joint);
+                    let fit = fit.as_ref();
+                    let whole = fit.filter(|_| known || !stands);
+                    self.push(
+                        &mut motion,
+                        (whole, after),
+                        (read, &at),
+                        &moving,
+                        nodes.rows,
+                    );
                     motion.known.push(known);
-                    if let Some(fit) = fit.as_ref().filter(|_| known) {
-                        let own = &q[row * dof..(row + 1) * dof];
-                        positions.add(fit, after, own, |joint| nodes.position(node, joint));
+                    if let Some(fit) = fit.filter(|_| known) {
+                        positions.add(fit, after, read, at);
                     }
                 }
                 row += own.len();
@@ -224,7 +237,13 @@ impl Plan {
             motion.extend(Some(own), rows, dof);
             positions.merge(&noise);
         }
-        motion.positions_std = positions.of_rows(&motion.gains_std);
+        if stands {
+            motion.known.fill(true);
+        }
+        let known = motion.positions_std.iter_mut();
+        known
+            .zip(positions.of_joints().cycle())
+            .for_each(|(std, of_reading)| *std *= of_reading);
         Some(motion)
     }
 
@@ -274,19 +293,33 @@ impl Plan {
         &self,
         motion: &mut Motion,
         (fit, after): (Option<&Polynomials>, f64),
+        (read, node): (&[f64], &dyn Fn(usize) -> f64),
         moving: &[Option<f64>],
         rows: usize,
     ) {
-        let with_positions = fit.map_or(0.0, |fit| fit.with_own / (rows as f64).sqrt());
+        // The polynomial at a node has this part of its own noise, and so much of a row's.
+        let own = fit.map_or(1.0, |fit| fit.own.clamp(f64::MIN_POSITIVE, 1.0));
+        let with_positions = fit.map_or(0.0, |fit| (fit.with_own / own.sqrt()).clamp(-1.0, 1.0));
         for (joint, (variance, unbend)) in moving.iter().zip(&self.unbend).enumerate() {
-            let [rate, gain, std] = fit.zip(*variance).map_or([0.0; 3], |(fit, variance)| {
-                let gain = fit.gain(joint, after) * unbend;
-                let std = fit.gain_std(joint, variance) * unbend;
-                [fit.rate(joint, after), gain, std]
-            });
+            let known = fit.zip(*variance);
+            let [position, rate, gain, std] = match known {
+                Some((fit, variance)) => [
+                    node(joint) + fit.position(joint, after),
+                    fit.rate(joint, after),
+                    fit.gain(joint, after) * unbend,
+                    fit.gain_std(joint, variance) * unbend,
+                ],
+                None => {
+                    let by_fit = fit.map(|fit| node(joint) + fit.position(joint, after));
+                    [by_fit.unwrap_or(read[joint]), 0.0, 0.0, 0.0]
+                }
+            };
+            motion.positions.push(position);
             motion.rates.push(rate);
             motion.gains.push(gain);
             motion.gains_std.push(std);
+            let of_reading = fit.map_or(0.0, |_| (own / rows as f64).sqrt());
+            motion.positions_std.push(of_reading);
             motion.with_positions.push(with_positions);
         }
     }
@@ -389,18 +422,10 @@ impl PositionNoise {
         self.count += other.count;
     }
 
-    /// Standard deviation of each row and joint; joints that stand there have accelerations
-    /// without deviation.
-    fn of_rows(&self, gains_std: &[f64]) -> Vec<f64> {
+    /// Standard deviation of a reading of each joint.
+    fn of_joints(&self) -> impl Iterator<Item = f64> + Clone {
         let count = self.count.max(1.0);
-        let std: Vec<f64> = self
-            .squares
-            .iter()
-            .map(|sum| (sum / count).sqrt())
-            .collect();
-        let std = std.iter().cycle().zip(gains_std);
-        std.map(|(std, gain)| if *gain > 0.0 { *std } else { 0.0 })
-            .collect()
+        self.squares.iter().map(move |sum| (sum / count).sqrt())
     }
 }
 
@@ -438,7 +463,8 @@ impl Motion {
         self.known.drain(..rows.start);
     }
 
-    /// Add rows; those of a log that stands where there is none. What is smooth is not kept.
+    /// Add rows; those of a log that stands where there is none, whose positions are those that were read.
+    /// What is smooth is not kept.
     pub fn extend(&mut self, other: Option<Motion>, rows: usize, dof: usize) {
         self.smooth = None;
         match other {
@@ -458,8 +484,9 @@ impl Motion {
     }
 
     /// What is known of each row and joint.
-    fn columns(&mut self) -> [&mut Vec<f64>; 7] {
+    fn columns(&mut self) -> [&mut Vec<f64>; 8] {
         [
+            &mut self.positions,
             &mut self.rates,
             &mut self.gains,
             &mut self.gains_std,

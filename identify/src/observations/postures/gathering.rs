@@ -205,6 +205,7 @@ impl Gathering {
             let still = own.sums[0].is_empty();
             let of = |k: usize| own.sums[k].iter().map(mean);
             let one = (!still).then(|| Motion {
+                positions: posture.mean(),
                 rates: of(0).collect(),
                 gains: of(1).collect(),
                 gains_std: of(2).map(f64::sqrt).collect(),

@@ -36,7 +36,7 @@ impl Noise {
             stated: stated.then(|| (variance() / (2.0 * rows)).sqrt()),
             repeats: gathering.repeats.pure().both(),
         };
-        let Some(noise) = noise::Noise::known(&known, None) else {
+        let Some(noise) = noise::Noise::known(&known) else {
             // Filled in later from what is left over.
             return Noise {
                 per_entry: vec![[f64::NAN; 2]; all.len()],

@@ -52,7 +52,7 @@ fn ticks_move_the_zmp_as_far_as_is_said() {
             .motion((&t, &q, 1), 0..t.len(), Wanted::Smooth)
             .unwrap();
         let flat = vec![[0.0; 2]; t.len()];
-        let moved = Zmp::new(&model).moved(&q, &motion, 0..t.len(), &flat);
+        let moved = Zmp::new(&model).moved(&motion.positions, &motion, 0..t.len(), &flat);
         let known: Vec<usize> = (0..t.len()).filter(|k| motion.known[*k]).collect();
         let off = known.iter().map(|&k| {
             let [q, v, a] = at(t[k]);
@@ -60,7 +60,7 @@ fn ticks_move_the_zmp_as_far_as_is_said() {
             let (x, z) = (0.8 * s, 0.8 * c);
             let [push, lift] = [0.8 * (c * a - s * v * v), -0.8 * (s * a + c * v * v)];
             let truth = x - z * push / (GRAVITY + lift);
-            0.8 * read(&t[k]).sin() + moved.shift[k][0] - truth
+            0.8 * motion.positions[k].sin() + moved.shift[k][0] - truth
         });
         let off: Vec<f64> = off.collect();
         let said: Vec<f64> = known.iter().map(|&k| moved.std[k][0]).collect();

@@ -2,6 +2,7 @@
 
 pub mod bought;
 pub mod com;
+pub mod labs;
 pub mod recordings;
 
 use std::collections::BTreeMap;

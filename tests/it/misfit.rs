@@ -1,0 +1,123 @@
+//! What a model leaves is no noise: `fit` says that it misses something, and takes an offset of
+//! the readings where that is by far likelier than masses.
+
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution as _, StandardNormal};
+use sesc_identify::NextStep;
+use sesc_identify::fit::{self, Identification, NoiseSource, Report};
+use sesc_identify::predict;
+use sesc_identify::robot::Stance;
+use sesc_reference::World;
+use sesc_test_support::examine::bought::bought;
+use sesc_test_support::stage::{Platform, Stage};
+
+use crate::asked::{fit_request, table};
+
+const STD_M: f64 = 5e-4;
+const POSTURES: usize = 100;
+/// Postures that are reached once more, as the last rows.
+const AGAIN: usize = 6;
+
+/// Postures of `world`, some of them twice, of whose noise nothing is said.
+fn fitted(stage: &Stage, world: &World, seed: u64) -> Report {
+    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    let mut q = stage.balanced(POSTURES, random);
+    q.extend_from_within(..AGAIN);
+    let pose: Vec<f64> = (0..q.len()).map(|k| (k % POSTURES) as f64).collect();
+    let cop: Vec<[f64; 2]> = q
+        .iter()
+        .map(|q| world.cop(q).map(|x| x + STD_M * gauss(random)))
+        .collect();
+    let mut log = table(vec![("pose".to_string(), pose)]);
+    for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
+        log = log.numbers(name, cop.iter().map(|cop| cop[axis]).collect::<Vec<_>>());
+    }
+    for (j, joint) in stage.joint_names().iter().enumerate() {
+        log = log.numbers(joint, q.iter().map(|q| q[j]).collect::<Vec<_>>());
+    }
+    fit::fit(&fit_request(stage, log), &mut ()).unwrap()
+}
+
+fn gauss(random: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(random)
+}
+
+fn asks_for_a_diagnosis(found: &Identification) -> bool {
+    found.next_steps().contains(&NextStep::Diagnose)
+}
+
+/// An ankle that is off by 1.2° and more moves the CoP by 3 mm and more, of which free masses take
+/// nearly all; repeats scatter by what was drawn.
+#[test]
+fn an_ankle_that_is_off_is_no_noise() {
+    let stage = Stage::new(Platform::Op2);
+    for (seed, (joint, degrees)) in [
+        ("r_ank_pitch", 1.2),
+        ("r_ank_pitch", -2.0),
+        ("r_ank_roll", 1.2),
+        ("r_ank_roll", -2.0),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let world = stage.world().joint_offset(joint, f64::to_radians(degrees));
+        let found = fitted(&stage, &world.unwrap(), seed as u64).identification;
+        assert_eq!(found.noise_source, NoiseSource::Repeats);
+        assert_eq!(found.noise_df, Some(2.0 * AGAIN as f64));
+        // Twelve degrees of freedom know it to 20 %.
+        let ratio = found.noise_floor / STD_M;
+        assert!((0.5..1.6).contains(&ratio), "{joint} {degrees}: {ratio}");
+        assert!(asks_for_a_diagnosis(&found), "{joint} {degrees}");
+    }
+}
+
+/// A robot as CAD has it, on a sensor that is off: the CoM stays where CAD has it, and the file
+/// predicts the readings.
+#[test]
+fn an_offset_of_readings_is_no_mass() {
+    let stage = Stage::new(Platform::Op2);
+    let offset = [0.012, -0.008];
+    let world = stage.world().sensor_offset(offset);
+    let report = fitted(&stage, &world, 3);
+    let found = report.identification.offset.as_ref().expect("an offset");
+    for axis in 0..2 {
+        let off = found.value[axis] - offset[axis];
+        assert!(
+            off.abs() < 3.0 * found.std[axis],
+            "{axis}: {off} ± {}",
+            found.std[axis]
+        );
+    }
+    assert!(asks_for_a_diagnosis(&report.identification));
+    let random = &mut ChaCha8Rng::seed_from_u64(4);
+    let q = stage.balanced(50, random);
+    let columns = stage.joint_names().into_iter().enumerate();
+    let columns = columns.map(|(j, joint)| (joint, q.iter().map(|q| q[j]).collect()));
+    let stance = Stance::new(report.robot.clone()).on(stage.support);
+    let stance = stance.with_parameters(report.model_file.clone()).unwrap();
+    let asked = predict::Request::new(stance, table(columns.collect()));
+    let predicted = predict::predict(&asked, &mut ()).unwrap();
+    for (k, q) in q.iter().enumerate() {
+        let (com, cop) = (world.com(q), world.cop(q));
+        for axis in 0..2 {
+            let off = predicted.cop_m[k][axis] - cop[axis];
+            assert!(off.abs() < 1.5e-3, "CoP {off}");
+            // Of CAD's masses it may be known to a third of the offset.
+            let off = predicted.com_m[k][axis] - com[axis];
+            assert!(off.abs() < 4e-3, "CoM {off}");
+        }
+    }
+}
+
+/// Masses that are off by 10 % and 5 mm are no offset: none in ten robots is said to have one.
+#[test]
+fn masses_that_are_off_are_no_offset() {
+    let stage = Stage::new(Platform::Op2);
+    for seed in 0..10 {
+        let random = &mut ChaCha8Rng::seed_from_u64(100 + seed);
+        let world = World::new(&bought(&stage.robot, random), stage.support).unwrap();
+        let found = fitted(&stage, &world, seed).identification;
+        assert!(found.offset.is_none(), "{seed}: {:?}", found.offset);
+    }
+}
