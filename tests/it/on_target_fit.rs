@@ -319,6 +319,8 @@ fn batch_fit(log: &[Reading], prior: &str) -> Report {
     request.logs = vec![table.into()];
     request.support = Some("r_sole".into());
     request.noise = Some(STD);
+    // The target knows of no offset of readings.
+    request.offset = Some(0.0);
     request.prior = prior.into();
     let report = fit(&request, &mut ()).unwrap();
     assert_eq!(report.identification.inflation, 1.0, "the noise is as told");

@@ -283,7 +283,13 @@ impl Head {
         let blocks = step.filter(|_| self.repeats.postures == self.rows as u64);
         let blocks = blocks.map(|step| {
             let length = self.t[self.rows - 1] - self.t[0] + step;
-            let held_out = (length / folds as f64).max(HELD_OUT_TIMES * longest);
+            // What lasts for most of a log leaves no blocks that are independent of each other.
+            let least = if is_short {
+                0.0
+            } else {
+                HELD_OUT_TIMES * longest
+            };
+            let held_out = (length / folds as f64).max(least);
             (self.t[0], held_out)
         });
         let own = match own_axes && self.rows > 0 {

@@ -188,7 +188,7 @@ fn effects_that_no_robot_has_are_refused_or_warned_of_by_every_command() {
         }
     }
     // What robots have is taken without a word, and softer springs take more rounds.
-    let text = spring("400.0") + &gain("1.1") + &load("-1.0", "0.1");
+    let text = spring("400.0") + &gain("1.1") + &load("-0.5", "0.1");
     build(&text).unwrap();
     assert!(!stderr(&folder.run(commands[2])).contains("believed"));
     let rounds = |x: &str| {

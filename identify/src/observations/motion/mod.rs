@@ -208,22 +208,21 @@ impl Plan {
             for own in nodes.of_row[rows].chunk_by(|a, b| a == b) {
                 let node = own[0];
                 let (fit, known) = self.local(&nodes, node);
+                // Order 4 bends no position, where order 3 is enough for accelerations.
+                let higher = (known && fit.is_some() && self.terms == LOW)
+                    .then(|| Polynomials::fit(&nodes, node, nodes.around(node), HIGH));
+                let higher = higher.flatten();
                 for row in row..row + own.len() {
                     let after = t[row] - nodes.t[node];
                     let read = &q[row * dof..(row + 1) * dof];
                     let at = |joint: usize| nodes.position(node, joint);
                     let fit = fit.as_ref();
-                    let whole = fit.filter(|_| known || !stands);
-                    self.push(
-                        &mut motion,
-                        (whole, after),
-                        (read, &at),
-                        &moving,
-                        nodes.rows,
-                    );
+                    let place = higher.as_ref().or(fit).filter(|_| known);
+                    let own = (fit, place, after);
+                    self.push(&mut motion, own, (read, &at), &moving, nodes.rows);
                     motion.known.push(known);
-                    if let Some(fit) = fit.filter(|_| known) {
-                        positions.add(fit, after, read, at);
+                    if let Some(place) = place {
+                        positions.add(place, after, read, at);
                     }
                 }
                 row += own.len();
@@ -292,33 +291,27 @@ impl Plan {
     fn push(
         &self,
         motion: &mut Motion,
-        (fit, after): (Option<&Polynomials>, f64),
+        (fit, place, after): (Option<&Polynomials>, Option<&Polynomials>, f64),
         (read, node): (&[f64], &dyn Fn(usize) -> f64),
         moving: &[Option<f64>],
         rows: usize,
     ) {
         // The polynomial at a node has this part of its own noise, and so much of a row's.
-        let own = fit.map_or(1.0, |fit| fit.own.clamp(f64::MIN_POSITIVE, 1.0));
+        let own = place.map_or(1.0, |place| place.own.clamp(f64::MIN_POSITIVE, 1.0));
         let with_positions = fit.map_or(0.0, |fit| (fit.with_own / own.sqrt()).clamp(-1.0, 1.0));
         for (joint, (variance, unbend)) in moving.iter().zip(&self.unbend).enumerate() {
             let known = fit.zip(*variance);
-            let [position, rate, gain, std] = match known {
-                Some((fit, variance)) => [
-                    node(joint) + fit.position(joint, after),
-                    fit.rate(joint, after),
-                    fit.gain(joint, after) * unbend,
-                    fit.gain_std(joint, variance) * unbend,
-                ],
-                None => {
-                    let by_fit = fit.map(|fit| node(joint) + fit.position(joint, after));
-                    [by_fit.unwrap_or(read[joint]), 0.0, 0.0, 0.0]
-                }
-            };
-            motion.positions.push(position);
+            let [rate, gain, std] = known.map_or([0.0; 3], |(fit, variance)| {
+                let gain = fit.gain(joint, after) * unbend;
+                let std = fit.gain_std(joint, variance) * unbend;
+                [fit.rate(joint, after), gain, std]
+            });
+            let position = place.map(|place| node(joint) + place.position(joint, after));
+            motion.positions.push(position.unwrap_or(read[joint]));
             motion.rates.push(rate);
             motion.gains.push(gain);
             motion.gains_std.push(std);
-            let of_reading = fit.map_or(0.0, |_| (own / rows as f64).sqrt());
+            let of_reading = place.map_or(0.0, |_| (own / rows as f64).sqrt());
             motion.positions_std.push(of_reading);
             motion.with_positions.push(with_positions);
         }
