@@ -351,7 +351,12 @@ fn further_blocks<'m>(
         let prior = prior.seen_from(model, there);
         let further = request.then.get(at).map(|log| {
             let options = reading(request, Some(there.support().to_string()));
-            Samples::read(log, &request.robot.description, &options, room, watch)
+            let own = Samples::read(log, &request.robot.description, &options, room, watch)?;
+            let (own, rows) = health::screen(own, (&request.robot, there), request.noise, watch)?;
+            for finding in rows {
+                watch.warning(&format!("{}: {}", log.name(), finding.sentence).into());
+            }
+            Ok::<Samples, Error>(own)
         });
         let further = further.transpose()?;
         let source = further.as_ref().unwrap_or(samples);
