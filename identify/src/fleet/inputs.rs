@@ -247,7 +247,6 @@ fn manifest(path: &Path, by: &[String], found: &mut Vec<Group>) -> Result<bool, 
     let known = ["path", "urdf", "support", DAY, WEEK];
     let known: Vec<&str> = by.iter().map(String::as_str).chain(known).collect();
     let ours = |name: &str| {
-        let name = name.trim_start_matches('\u{feff}').trim_matches('"').trim();
         let exact = known.iter().find(|own| **own == name);
         exact.or_else(|| known.iter().find(|own| own.eq_ignore_ascii_case(name)))
     };
@@ -257,30 +256,27 @@ fn manifest(path: &Path, by: &[String], found: &mut Vec<Group>) -> Result<bool, 
     let (Ok(_), Ok(between)) = (read, delimiter(&head, 0)) else {
         return Ok(false);
     };
-    let head = String::from_utf8_lossy(&head);
-    let mut names = head.trim_end().split(char::from(between));
-    if !names.any(|name| ours(name) == Some(&"path")) {
+    let mut table = csv::ReaderBuilder::new();
+    table.trim(csv::Trim::All).delimiter(between);
+    let names = table.from_reader(&head[..]).headers().cloned();
+    let names: Vec<_> = names.iter().flatten().map(ours).collect();
+    if !names.contains(&Some(&"path")) {
         return Ok(false);
     }
     let bad = |line: Option<&csv::Position>, what: &str| {
         let file = path.display().to_string();
         Error::log(file, line.map(csv::Position::line), what)
     };
-    let uneven = |error: csv::Error| {
-        let what = "is no manifest: a row has more or fewer fields than the header";
-        bad(error.position(), what)
-    };
     let text = read_list(path)?;
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .delimiter(between)
-        .from_reader(text.as_bytes());
-    let header = reader.headers().map_err(uneven)?.clone();
-    for record in reader.records() {
-        let record = record.map_err(uneven)?;
-        let known = |(name, text): (&str, &str)| Some((ours(name)?.to_string(), text.to_string()));
-        let fields = header.iter().zip(&record).filter_map(known);
-        let mut said: BTreeMap<String, String> = fields.collect();
+    for record in table.from_reader(text.as_bytes()).records() {
+        let record = record.map_err(|error| {
+            let what = "is no manifest: a row has more or fewer fields than the header";
+            bad(error.position(), what)
+        })?;
+        let fields = names.iter().zip(&record);
+        let known =
+            fields.filter_map(|(name, text)| Some(((*name)?.to_string(), text.to_string())));
+        let mut said: BTreeMap<String, String> = known.collect();
         let log = said.remove("path").filter(|log| !log.is_empty());
         let nothing = "this row of the manifest has no path";
         let log = log.ok_or_else(|| bad(record.position(), nothing))?;
@@ -295,62 +291,65 @@ fn manifest(path: &Path, by: &[String], found: &mut Vec<Group>) -> Result<bool, 
 /// The files of a pattern, a folder, or a file.
 fn expanded(item: &str) -> Result<Vec<PathBuf>, Error> {
     let path = Path::new(item);
-    let failed = |error: io::Error| Error::read(item, error);
-    let wrong = |what: String| Error::request(format!("{item}: {what}"));
-    let ends = |path: &Path, ends: &[&str]| {
-        let name = path.to_string_lossy();
-        ends.iter().any(|end| name.ends_with(end))
-    };
-    let is_plain = |part: &str| !part.contains(['*', '?', '[']);
-    let mut found = Vec::new();
-    let missed = if path.is_dir() {
-        let all = ["**", "*"].map(|part| Pattern::new(part).unwrap_or_default());
-        walk(path, &all, &mut found).map_err(failed)?;
-        found.retain(|path| ends(path, &ENDINGS));
-        let ends = ENDINGS.join(", ");
-        format!("no log in this folder; logs end in {ends}")
-    } else if is_plain(item) || path.exists() {
+    let is_folder = path.is_dir();
+    let is_plain = |part: &&str| !part.contains(['*', '?', '[']);
+    if !is_folder && (is_plain(&item) || path.exists()) {
         // What cannot be read is the error of its row.
         return Ok(vec![path.to_path_buf()]);
+    }
+    let wrong = |what: &str| Error::request(format!("{item}: {what}"));
+    let parts = path
+        .components()
+        .filter_map(|part| part.as_os_str().to_str());
+    let (folder, below): (PathBuf, Vec<&str>) = if is_folder {
+        (path.to_path_buf(), vec!["**", "*"])
     } else {
-        let parts = path.components().map(|part| part.as_os_str().to_str());
-        let parts: Vec<&str> = parts.map(Option::unwrap_or_default).collect();
-        let plain = parts.iter().take_while(|part| is_plain(part)).count();
-        let rest: Result<Vec<Pattern>, _> =
-            parts[plain..].iter().map(|p| Pattern::new(p)).collect();
-        let rest = rest.map_err(|error| wrong(error.to_string()))?;
-        let root: PathBuf = parts[..plain].iter().collect();
-        let folder = if plain == 0 { Path::new(".") } else { &root };
-        if folder.is_dir() {
-            walk(folder, &rest, &mut found).map_err(failed)?;
-        }
-        if plain == 0 {
-            for path in &mut found {
-                *path = path.strip_prefix(".").unwrap_or(path).to_path_buf();
-            }
-        }
-        found.retain(|path| !ends(path, &ASIDE));
-        "no file has such a name; quote the pattern, so that the shell leaves it alone".to_string()
+        let plain = parts.clone().take_while(is_plain);
+        (plain.collect(), parts.skip_while(is_plain).collect())
     };
+    let below: Result<Vec<Pattern>, _> = below.into_iter().map(Pattern::new).collect();
+    let below = below.map_err(|error| wrong(&error.to_string()))?;
+    let mut found = Vec::new();
+    walk(&folder, &below, &mut found).map_err(|error| Error::read(item, error))?;
+    found.retain(|path| {
+        let name = path.to_string_lossy();
+        let ends = |ends: &[&str]| ends.iter().any(|end| name.ends_with(end));
+        if is_folder {
+            ends(&ENDINGS)
+        } else {
+            !ends(&ASIDE)
+        }
+    });
     if found.is_empty() {
-        return Err(wrong(missed));
+        return Err(wrong(&if is_folder {
+            format!("no log in this folder; logs end in {}", ENDINGS.join(", "))
+        } else {
+            "no file has such a name; quote the pattern, so that the shell leaves it alone".into()
+        }));
     }
     Ok(found)
 }
 
-/// Files below a folder that the rest of a pattern means. `**` is any number of folders, of
-/// which links are none, for a walk of links might have no end.
+/// Files below a folder, if it is one, that the rest of a pattern means. `**` is any number of
+/// folders, of which links are none, for a walk of links might have no end.
 fn walk(folder: &Path, rest: &[Pattern], found: &mut Vec<PathBuf>) -> io::Result<()> {
-    let Some((first, after)) = rest.split_first() else {
+    let here = Path::new(".");
+    let opened = if folder == Path::new("") {
+        here
+    } else {
+        folder
+    };
+    let Some((first, after)) = rest.split_first().filter(|_| opened.is_dir()) else {
         return Ok(());
     };
     let is_deep = first.as_str() == "**";
     if is_deep {
         walk(folder, after, found)?;
     }
-    for entry in fs::read_dir(folder)? {
+    for entry in fs::read_dir(opened)? {
         let entry = entry?;
-        let (path, name) = (entry.path(), entry.file_name());
+        let path = folder.join(entry.file_name());
+        let name = entry.file_name();
         let name = name.to_string_lossy();
         let is_hidden = name.starts_with('.') && !first.as_str().starts_with('.');
         if is_hidden || !is_deep && !first.matches(&name) {
@@ -361,7 +360,7 @@ fn walk(folder: &Path, rest: &[Pattern], found: &mut Vec<PathBuf>) -> io::Result
             if !path.is_dir() {
                 found.push(PathBuf::from(path.to_string_lossy().into_owned()));
             }
-        } else if path.is_dir() && !(is_deep && entry.file_type()?.is_symlink()) {
+        } else if !(is_deep && entry.file_type()?.is_symlink()) {
             walk(&path, if is_deep { rest } else { after }, found)?;
         }
     }
@@ -388,24 +387,22 @@ fn walk(folder: &Path, rest: &[Pattern], found: &mut Vec<PathBuf>) -> io::Result
 /// # Ok::<(), sesc_identify::Error>(())
 /// ```
 pub fn groups(inputs: &[Group]) -> Vec<Group> {
-    let mut found: BTreeMap<_, Vec<PathBuf>> = BTreeMap::new();
-    for input in inputs.iter().cloned() {
-        let names = (visible(&input.robot), visible(&input.day));
-        let key = (names, input.urdf, input.support);
-        found.entry(key).or_default().extend(input.logs);
+    let mut found: BTreeMap<Group, Vec<PathBuf>> = BTreeMap::new();
+    for input in inputs {
+        let group = Group {
+            logs: Vec::new(),
+            robot: visible(&input.robot),
+            day: visible(&input.day),
+            ..input.clone()
+        };
+        found.entry(group).or_default().extend(input.logs.clone());
     }
-    let group = |(((robot, day), urdf, support), mut logs): (_, Vec<PathBuf>)| {
+    let with_logs = |(group, mut logs): (Group, Vec<PathBuf>)| {
         logs.sort();
         logs.dedup();
-        Group {
-            logs,
-            robot,
-            day,
-            urdf,
-            support,
-        }
+        Group { logs, ..group }
     };
-    found.into_iter().map(group).collect()
+    found.into_iter().map(with_logs).collect()
 }
 
 #[cfg(test)]
