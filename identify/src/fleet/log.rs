@@ -122,7 +122,7 @@ pub(super) fn each_once(logs: &[Log]) -> Vec<Log> {
 }
 
 /// The row of these logs, of which nothing came yet.
-pub(super) fn row_of(robot: &str, day: &str, logs: &[Log]) -> Row {
+pub(super) fn row_of((robot, day): (&str, &str), logs: &[Log]) -> Row {
     Row {
         robot: robot.to_string(),
         day: day.to_string(),
@@ -179,7 +179,7 @@ pub(super) fn without_path(error: &Error, robot: &Robot) -> String {
 }
 
 /// Grows when rows of the same logs become others without a new version.
-const FORMAT: u32 = 7;
+const FORMAT: u32 = 8;
 
 /// A folder of rows.
 #[derive(Debug, Clone)]

@@ -310,6 +310,15 @@ impl Row {
         self.health.iter_mut().for_each(|f| f.picture = None);
     }
 
+    /// Take over findings of single logs that are not told yet.
+    pub(super) fn add_findings(&mut self, mut findings: Vec<Finding>) {
+        findings.retain(|own| {
+            let is_it = |told: &Finding| (told.kind, &told.target) == (own.kind, &own.target);
+            !self.health.iter().any(is_it)
+        });
+        self.health.append(&mut findings);
+    }
+
     fn stuck_encoder(&self) -> Option<&Finding> {
         self.health.iter().find(|f| f.kind == Kind::EncoderStuck)
     }
@@ -361,6 +370,12 @@ impl Row {
             scores: report.scores.iter().map(score).filter(is_known).collect(),
         };
     }
+}
+
+/// Whether nothing is said of a robot by data with this finding: where an encoder is stuck,
+/// whatever explains the rest makes up for a joint that is not where the log says.
+pub(super) fn is_spoiling(finding: &Finding) -> bool {
+    finding.kind == Kind::EncoderStuck || finding.kind.makes_unusable()
 }
 
 fn verdict_to_name<S: Serializer>(

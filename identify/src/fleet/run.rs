@@ -27,6 +27,7 @@ use super::row::Row;
 use super::row::assembled;
 use crate::Error;
 use crate::robot::Robot;
+use crate::threads::processors;
 use crate::watch::{Progress, Watch, tell};
 
 /// How often the caller is asked whether to go on, while no group ends.
@@ -140,13 +141,11 @@ pub struct Done {
 /// When the store cannot be written; the kind `Interrupted` where `watch` stops the run. What
 /// is wrong with a log is in its row.
 pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
-    let groups = &request.groups;
-    let cores = thread::available_parallelism().map_or(1, usize::from);
-    let threads = request.threads.unwrap_or(cores);
+    let (robot, options, groups) = (&request.robot, &request.options, &request.groups);
+    let threads = request.threads.unwrap_or_else(processors);
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let total = groups.len() as u64;
+    let (send, receive) = mpsc::channel();
     let all = thread::scope(|scope| {
-        let (send, receive) = mpsc::channel();
         for _ in 0..threads.clamp(1, groups.len().max(1)) {
             let (send, next, stop) = (send.clone(), &next, &stop);
             scope.spawn(move || {
@@ -158,7 +157,6 @@ pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
                     }
                 };
                 while let Some(group) = groups.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let (robot, options) = (&request.robot, &request.options);
                     let done = work(robot, options, group, request.store.as_ref(), &mut stopped);
                     // Nobody receives it any more where the run was stopped.
                     if send.send(done).is_err() {
@@ -169,21 +167,20 @@ pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
         }
         drop(send);
         let mut all = Vec::new();
-        let mut receive = || {
-            loop {
-                tell(watch, "diagnosing", all.len() as u64, total)?;
-                match receive.recv_timeout(EVERY) {
-                    Ok(group) => all.push(group?),
-                    Err(RecvTimeoutError::Timeout) => {}
-                    Err(RecvTimeoutError::Disconnected) => return Ok(()),
-                }
+        let received = loop {
+            let told = tell(watch, "diagnosing", all.len() as u64, groups.len() as u64);
+            match told.map(|()| receive.recv_timeout(EVERY)) {
+                Ok(Ok(Ok(done))) => all.push(done),
+                Ok(Err(RecvTimeoutError::Timeout)) => {}
+                Ok(Err(RecvTimeoutError::Disconnected)) => break Ok(all),
+                Ok(Ok(Err(error))) | Err(error) => break Err(error),
             }
         };
-        let received: Result<(), Error> = receive();
+        drop(receive);
         stop.store(true, Ordering::Relaxed);
-        received.map(|()| all)
+        received
     })?;
-    Ok(gathered(all, &request.robot))
+    Ok(gathered(all, robot))
 }
 
 /// Work on one group: read its logs, and evaluate them unless the store has their row. `robot` is
@@ -219,17 +216,13 @@ pub fn work(
     let logs = each_once(&logs);
     let mut errors: Vec<String> = done.failed.iter().map(|f| f.error.clone()).collect();
     let name = (group.robot.as_str(), group.day.as_str());
-    let without_result = |error: &str| Row {
-        error: Some(error.to_string()),
-        ..row_of(name.0, name.1, &logs)
-    };
-    let own = group.urdf.as_deref().map(|path| (path, read_urdf(path)));
-    let robot = match own {
+    done.row = row_of(name, &logs);
+    let robot = match group.urdf.as_deref().map(|path| (path, read_urdf(path))) {
         None => Arc::clone(robot),
         Some((_, Ok(own))) => Arc::new(own),
         Some((path, Err(error))) => {
             done.failed.push(Failed::reading(path, &error));
-            done.row = without_result("its URDF cannot be used");
+            done.row.error = Some("its URDF cannot be used".to_string());
             return Ok(done);
         }
     };
@@ -237,30 +230,25 @@ pub fn work(
     let known = store.and_then(|store| store.get(&key));
     // What stands under the right key of a store that was merged or half restored may be another's.
     let known = known.filter(|row| {
-        let inputs = logs.iter().map(|log| &log.hash);
-        let support = options.support.as_ref();
-        (row.robot.as_str(), row.day.as_str()) == name
+        (&row.robot, &row.day, &row.inputs) == (&done.row.robot, &done.row.day, &done.row.inputs)
             && row.urdf_hash == robot.description.hash
-            && support.is_none_or(|support| row.support == *support)
-            && row.inputs.iter().eq(inputs)
+            && (options.support.as_ref()).is_none_or(|support| row.support == *support)
     });
     done.from_store = known.is_some();
-    done.row = match known {
-        Some(row) => row,
-        None => {
-            let made = AssertUnwindSafe(|| row(&robot, &options, name, &logs, watch));
-            match catch_unwind(made) {
-                Ok(made) => {
-                    let made = made?;
-                    // A run that was stopped writes nothing any more.
-                    tell(watch, "diagnosing", 1, 1)?;
-                    store.map_or(Ok(()), |store| store.put(&key, &made))?;
-                    made
-                }
-                Err(_) => without_result(DEFECT),
+    if let Some(known) = known {
+        done.row = known;
+    } else {
+        let made = AssertUnwindSafe(|| row(&robot, &options, name, &logs, watch));
+        match catch_unwind(made) {
+            Ok(made) => {
+                done.row = made?;
+                // A run that was stopped writes nothing any more.
+                tell(watch, "diagnosing", 1, 1)?;
+                store.map_or(Ok(()), |store| store.put(&key, &done.row))?;
             }
+            Err(_) => done.row.error = Some(DEFECT.to_string()),
         }
-    };
+    }
     if let Some(error) = &done.row.error {
         done.failed.extend(named(error, &done.read, group, &robot));
         errors.insert(0, error.clone());
@@ -272,40 +260,39 @@ pub fn work(
 /// The error of a row, with the names of files for the hashes of logs.
 fn named(error: &str, read: &[(String, PathBuf)], group: &Group, robot: &Robot) -> Vec<Failed> {
     let urdf = &robot.description;
-    let error = error.replace(&name_of_urdf(&urdf.hash), &urdf.file);
-    let mut faulty: Vec<&(String, PathBuf)> = read.iter().collect();
-    faulty.retain(|(hash, _)| error.contains(&name_of_log(hash)));
-    faulty.dedup_by(|a, b| a.0 == b.0);
-    let mut paths: Vec<&PathBuf> = faulty.into_iter().map(|(_, path)| path).collect();
-    if paths.is_empty() {
-        paths.extend(group.logs.first());
+    let mut error = error.replace(&name_of_urdf(&urdf.hash), &urdf.file);
+    let mut inputs = Vec::new();
+    for (hash, path) in read {
+        let (name, path) = (name_of_log(hash), path.display().to_string());
+        if error.contains(&name) {
+            error = error.replace(&name, &path);
+            inputs.push(path);
+        }
     }
-    let with_path = |said: String, (hash, path): &(String, PathBuf)| {
-        said.replace(&name_of_log(hash), &path.display().to_string())
-    };
-    let error = read.iter().fold(error, with_path);
-    let failed = |path: &PathBuf| Failed {
-        input: path.display().to_string(),
+    if inputs.is_empty() {
+        inputs.extend(group.logs.first().map(|path| path.display().to_string()));
+    }
+    let failed = |input| Failed {
+        input,
         error: error.clone(),
     };
-    paths.into_iter().map(failed).collect()
+    inputs.into_iter().map(failed).collect()
 }
 
 /// What groups came to, in any order, put together; `robot` is that of groups without a URDF of
 /// their own.
 pub fn gathered(all: Vec<Done>, robot: &Arc<Robot>) -> Fleet {
     let mut fleet = Fleet::default();
-    // Places of every log by the hash of its content, and URDFs by models.
-    let mut places: BTreeMap<String, Vec<_>> = BTreeMap::new();
+    // Every log: the hash of its content, its path, its robot and day.
+    let mut read: Vec<(String, String, [String; 2])> = Vec::new();
     let mut models = BTreeMap::new();
     for done in all {
         let row = done.row;
         fleet.failed.extend(done.failed);
         fleet.from_store += usize::from(done.from_store);
         for (hash, path) in done.read {
-            let (robot, day) = (row.robot.clone(), row.day.clone());
-            let place = (path.display().to_string(), robot, day);
-            places.entry(hash).or_default().push(place);
+            let of = [row.robot.clone(), row.day.clone()];
+            read.push((hash, path.display().to_string(), of));
         }
         if !row.params.is_empty() {
             let model = (done.urdf, row.support.clone());
@@ -313,16 +300,14 @@ pub fn gathered(all: Vec<Done>, robot: &Arc<Robot>) -> Fleet {
         }
         fleet.rows.push(row);
     }
-    for mut same in places.into_values() {
-        same.sort();
-        let (first, robot, day) = same[0].clone();
-        for (input, its_robot, its_day) in same.drain(1..) {
-            fleet.twice.push(Twice {
-                input,
-                same_as: first.clone(),
-                counted_once: its_robot == robot && its_day == day,
-            });
-        }
+    read.sort();
+    for same in read.chunk_by(|a, b| a.0 == b.0) {
+        let (_, first, of) = &same[0];
+        fleet.twice.extend(same[1..].iter().map(|other| Twice {
+            input: other.1.clone(),
+            same_as: first.clone(),
+            counted_once: other.2 == *of,
+        }));
     }
     for (key, (urdf, support)) in models {
         let own = urdf.map(|path| read_urdf(&path).map(Arc::new));
