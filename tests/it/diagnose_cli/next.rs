@@ -65,6 +65,18 @@ fn the_log_of_the_next_experiment_is_taken_with_the_first() {
     let used = file["data"].as_array().unwrap();
     assert_eq!(used[0]["file"].as_str(), Some("log.csv"));
     assert_eq!(used[1]["file"].as_str(), Some("second.csv"));
+    // Rows that cannot be used are left out of it, as of the first log.
+    let (_, rows) = text.split_once('\n').unwrap();
+    let copied = write(folder.path(), "copied.csv", text.clone() + rows);
+    fs::copy(path("next.csv.toml"), path("copied.csv.toml")).unwrap();
+    let copied = diagnose(&log, &["--then", &copied]);
+    assert_eq!(copied["steps"], after["steps"]);
+    let warnings = copied["warnings"].as_array().unwrap();
+    let is_it = |said: &Value| {
+        let said = said.as_str().unwrap();
+        said.contains("copied.csv: ") && said.contains("they are copies")
+    };
+    assert!(warnings.iter().any(is_it), "{warnings:?}");
     // What no log can say is refused, and so is another foot that is none.
     for (experiment, words) in [
         ("known_weight", ["known_weight", "Diagnose it alone"]),

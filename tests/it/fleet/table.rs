@@ -212,6 +212,57 @@ fn logs_that_are_not_there_and_tables_of_no_kind_are_refused() {
     );
 }
 
+/// Of several logs of a day one that cannot be used is left out, and `health` says why; what their
+/// sidecars say may differ.
+#[test]
+fn a_log_without_data_does_not_take_its_day_along() {
+    let folder = folder();
+    let folder = folder.path();
+    let hidden = Fleet {
+        postures: 40,
+        ..Fleet::sound(1, 3, 9)
+    };
+    hidden.write(folder).unwrap();
+    let log = |day: usize| {
+        let log = folder.join(Fleet::folder(0, day)).join("log.csv");
+        log.display().to_string()
+    };
+    let text = fs::read_to_string(log(2)).unwrap();
+    let still = text.lines().enumerate().map(|(k, row)| {
+        let cell = |(place, cell): (usize, &str)| {
+            let name = text.lines().next().unwrap().split(',').nth(place);
+            let is_cop = k > 0 && matches!(name, Some("cop_x" | "cop_y"));
+            if is_cop { "0.01" } else { cell }.to_string()
+        };
+        let cells: Vec<String> = row.split(',').enumerate().map(cell).collect();
+        cells.join(",") + "\n"
+    });
+    fs::write(log(2), still.collect::<String>()).unwrap();
+    let sidecar = log(3) + ".toml";
+    let said = fs::read_to_string(&sidecar).unwrap();
+    fs::write(sidecar, said.replace("= 100", "= 50")).unwrap();
+    for only in [&["--only", "parameters"][..], &[]] {
+        let out = at(folder, "one.csv");
+        fleet(
+            folder,
+            "logs",
+            &[&["--by", "robot", "--out", &out], only].concat(),
+        );
+        let rows = records(&out);
+        assert_eq!(rows.len(), 1);
+        let row = &rows[0];
+        assert_eq!(field(row, "postures"), "80", "{row:?}");
+        assert_eq!(field(row, "error"), "");
+        let verdict = if only.is_empty() { "none" } else { "" };
+        assert_eq!(field(row, "verdict"), verdict, "{row:?}");
+        let health: Value = serde_json::from_str(field(row, "health")).unwrap();
+        assert_eq!(health[0]["kind"], "cop_constant", "{row:?}");
+        assert_eq!(health.as_array().unwrap().len(), 1, "{row:?}");
+        let inputs: Vec<String> = serde_json::from_str(field(row, "inputs")).unwrap();
+        assert_eq!(inputs.len(), 3);
+    }
+}
+
 /// Fits without a diagnosis: the same parameters, no verdict; and changes are seen all the same.
 #[test]
 fn parameters_alone_are_those_of_the_whole_row() {
