@@ -107,7 +107,7 @@ impl FleetFound {
         let known = || fleet::population(&fleet.rows, &asked.robot, &asked.options).ok();
         // Why there is none is said to those who ask for it.
         let population = asked.options.information.then(known).flatten();
-        let summary = summary(&fleet.rows, &fleet.names, population);
+        let summary = summary(&fleet.rows, population);
         FleetFound {
             fleet,
             summary,
@@ -154,7 +154,7 @@ impl FleetFound {
         let asked = Asked::of(py, &robot, options)?;
         detached(py, || {
             let done: Result<Vec<_>, Failure> = done.iter().map(|one| parsed(one)).collect();
-            Ok(FleetFound::of(fleet::gathered(done?, &asked.robot), asked))
+            Ok(FleetFound::of(fleet::gathered(done?), asked))
         })
     }
 

@@ -164,7 +164,7 @@ pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error
         files::write(path, &known.to_toml()?)?;
         message(&format!("wrote {}", path.display()));
     }
-    let summary = summary(&found.rows, &found.names, population);
+    let summary = summary(&found.rows, population);
     if let Some(path) = &arguments.report {
         let folder = arguments.robot.urdf.parent();
         let drawn = skeleton(&found, &request.robot, &request.options, folder);

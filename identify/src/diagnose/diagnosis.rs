@@ -389,7 +389,7 @@ fn steps_told(
             effect: term.name(),
             target: term.target_name(context),
             acts_on: ActsOn::of(term, context),
-            parameters: values.iter().cloned().collect(),
+            parameters: values.iter().copied().collect(),
             fitted: term.fitted(context),
             rmse_before,
             rmse_after,

@@ -68,7 +68,7 @@ pub struct Gap {
 }
 
 /// An estimate with its standard deviation, in the unit that its name ends in.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Quantity {
     /// The estimate.

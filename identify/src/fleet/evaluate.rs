@@ -211,6 +211,7 @@ impl Evaluation<'_> {
         }
         row.postures = found.postures;
         let parameters = found.parameters.iter();
+        row.names = parameters.clone().map(|p| p.name.clone()).collect();
         let known = parameters.map(|p| (p.value, p.std.filter(|std| std.is_finite())));
         (row.params, row.std) = known.unzip();
         // Effects that come and go in diagnoses are compared with it.

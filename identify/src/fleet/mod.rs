@@ -43,7 +43,7 @@ pub use population::check_population;
 pub use population::population;
 #[doc(hidden)]
 pub use row::check_table;
-pub use row::{COLUMNS, EffectFound, Effects, Row, SCORES, Size, cells, write};
+pub use row::{COLUMNS, EffectFound, Effects, Row, SCORES, cells, write};
 #[doc(hidden)]
 pub use run::{Done, gathered, work};
 pub use run::{Fleet, Request, Twice, run};

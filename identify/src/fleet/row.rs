@@ -18,29 +18,10 @@ use serde_json::Value;
 use sesc_model::effects::Fitted;
 
 use crate::Error;
-use crate::diagnose::words::named;
 use crate::diagnose::{Quantity, Report, Score, Step, Verdict};
 use crate::files::{self, NewFile};
 use crate::fit::Identification;
 use crate::health::{Finding, Kind};
-
-/// A number with its standard deviation, in the unit that its name ends in.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[non_exhaustive]
-pub struct Size {
-    /// The number.
-    pub value: f64,
-    /// Its standard deviation.
-    pub std: f64,
-}
-
-impl Size {
-    /// The number and its deviation beside the name of the parameter.
-    pub(super) fn named(self, name: &str) -> String {
-        named(name, self.value, self.std)
-    }
-}
 
 /// What a parameter is where there is no effect.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -66,22 +47,22 @@ impl Absent {
     }
 
     /// How far from there a size is: a factor less one, the inverse of a stiffness.
-    pub(super) fn away(self, size: Size) -> Size {
+    pub(super) fn away(self, size: Quantity) -> Quantity {
         self.moved(size, -1.0)
     }
 
     /// The size that is so far from there.
-    pub(super) fn back(self, away: Size) -> Size {
+    pub(super) fn back(self, away: Quantity) -> Quantity {
         self.moved(away, 1.0)
     }
 
-    fn moved(self, Size { value, std }: Size, by: f64) -> Size {
+    fn moved(self, Quantity { value, std }: Quantity, by: f64) -> Quantity {
         let (value, std) = match self {
             Absent::Zero => (value, std),
             Absent::One => (value + by, std),
             Absent::Infinite => (1.0 / value, std / (value * value)),
         };
-        Size { value, std }
+        Quantity { value, std }
     }
 }
 
@@ -94,7 +75,7 @@ pub struct EffectFound {
     /// Joint, link or cell; `-` for the whole.
     pub target: String,
     /// Its parameters by name, which ends in the unit: `offset_rad`.
-    pub parameters: BTreeMap<String, Size>,
+    pub parameters: BTreeMap<String, Quantity>,
     /// What those of them are without the effect that are not 0 then: `scale` is `one`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub absent: BTreeMap<String, Absent>,
@@ -125,10 +106,7 @@ impl EffectFound {
         fitted: &BTreeMap<&'static str, Fitted>,
         evidence: f64,
     ) -> EffectFound {
-        let size = |(name, q): (&&str, &Quantity)| {
-            let (value, std) = (q.value, q.std);
-            (name.to_string(), Size { value, std })
-        };
+        let size = |(name, size): (&&str, &Quantity)| (name.to_string(), *size);
         let absent = |(name, fitted): (&&str, &Fitted)| {
             let absent = Absent::of(*fitted);
             (absent != Absent::Zero).then(|| (name.to_string(), absent))
@@ -160,7 +138,7 @@ impl EffectFound {
     }
 
     /// How far a parameter is from what it is without the effect.
-    pub(super) fn away(&self, parameter: &str) -> Option<Size> {
+    pub(super) fn away(&self, parameter: &str) -> Option<Quantity> {
         let size = self.parameters.get(parameter)?;
         Some(self.absent(parameter).away(*size))
     }
@@ -226,6 +204,9 @@ pub struct Row {
     pub error: Option<String>,
     /// Version of this library.
     pub version: String,
+    /// Names of the parameters; no column of the table.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub names: Vec<String>,
     /// Covariance of the parameters, m², lower triangle row by row; kept with a diagnosis, and
     /// where [`Options::information`](super::Options::information) asks for it; no column of
     /// the table.
@@ -241,12 +222,6 @@ const STUCK: &str = "No effect is named beside it: what explains angles that are
                      robot's. A diagnosis of the log alone says what it looks like.";
 
 impl Row {
-    /// What rows have in common whose parameters have the same names and can be compared: the
-    /// hash of the URDF and the support.
-    pub fn model(&self) -> String {
-        format!("{} {}", self.urdf_hash, self.support)
-    }
-
     /// Whether numbers are such as data give: finite, of lists that belong together, deviations
     /// not negative. A file may hold others.
     pub(super) fn is_whole(&self) -> bool {
@@ -514,6 +489,7 @@ mod parquet {
     use ::parquet::file::properties::WriterProperties;
     use ::parquet::file::writer::SerializedFileWriter;
     use ::parquet::schema::parser::parse_message_type;
+    use ::parquet::schema::types::ColumnDescriptor;
 
     use super::*;
 
@@ -536,69 +512,72 @@ mod parquet {
     }
 
     pub(super) fn write(path: &Path, rows: &[Row]) -> Result<(), Error> {
-        let unwritten = |error: ParquetError| files::failed(path, io::Error::other(error));
-        let schema = parse_message_type(&schema()).map_err(unwritten)?;
+        let file = filled(NewFile::create(path)?, rows);
+        let unwritten = |error| files::failed(path, io::Error::other(error));
+        Ok(file.map_err(unwritten)?.finish()?)
+    }
+
+    fn filled(file: NewFile, rows: &[Row]) -> Result<NewFile, ParquetError> {
+        let schema = parse_message_type(&schema())?;
         let properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             .build();
-        let file = NewFile::create(path)?;
-        let writer = SerializedFileWriter::new(file, Arc::new(schema), properties.into());
-        let mut writer = writer.map_err(unwritten)?;
-        for rows in rows.chunks(GROUP) {
-            group(&mut writer, rows).map_err(unwritten)?;
-        }
-        Ok(writer.into_inner().map_err(unwritten)?.finish()?)
-    }
-
-    fn group(writer: &mut SerializedFileWriter<NewFile>, rows: &[Row]) -> Result<(), ParquetError> {
+        let mut writer = SerializedFileWriter::new(file, Arc::new(schema), properties.into())?;
         let columns = writer.schema_descr().columns().to_vec();
-        let rows: Vec<_> = rows.iter().map(cells).collect();
-        let mut group = writer.next_row_group()?;
-        for (at, column) in columns.iter().enumerate() {
-            let (mut values, mut defined, mut repeated) = (Vec::new(), Vec::new(), Vec::new());
-            for row in &rows {
-                let list = match &row[at] {
-                    Value::Array(list) => list.as_slice(),
-                    value => std::slice::from_ref(value),
-                };
-                if list.is_empty() {
-                    defined.push(0);
-                    repeated.push(0);
-                }
-                for (k, value) in list.iter().enumerate() {
-                    defined.push(column.max_def_level() - i16::from(value.is_null()));
-                    repeated.push(i16::from(k > 0));
-                    values.extend((!value.is_null()).then_some(value));
+        for rows in rows.chunks(GROUP) {
+            let rows: Vec<_> = rows.iter().map(cells).collect();
+            let mut group = writer.next_row_group()?;
+            for (at, about) in columns.iter().enumerate() {
+                if let Some(mut column) = group.next_column()? {
+                    fill(column.untyped(), about, rows.iter().map(|row| &row[at]))?;
+                    column.close()?;
                 }
             }
-            let defined = (column.max_def_level() > 0).then_some(defined.as_slice());
-            let repeated = (column.max_rep_level() > 0).then_some(repeated.as_slice());
-            let Some(mut to) = group.next_column()? else {
-                break;
-            };
-            let values = values.into_iter();
-            match to.untyped() {
-                ColumnWriter::ByteArrayColumnWriter(to) => {
-                    let texts = values.map(|text| text.as_str().unwrap_or_default().into());
-                    to.write_batch(&texts.collect::<Vec<ByteArray>>(), defined, repeated)?
-                }
-                ColumnWriter::DoubleColumnWriter(to) => {
-                    let numbers = values.map(|x| x.as_f64().unwrap_or(f64::NAN));
-                    to.write_batch(&numbers.collect::<Vec<f64>>(), defined, repeated)?
-                }
-                ColumnWriter::Int64ColumnWriter(to) => {
-                    let counts = values.map(|count| count.as_i64().unwrap_or(i64::MAX));
-                    to.write_batch(&counts.collect::<Vec<i64>>(), defined, repeated)?
-                }
-                _ => {
-                    return Err(ParquetError::General(
-                        "a column of another type".to_string(),
-                    ));
-                }
-            };
-            to.close()?;
+            group.close()?;
         }
-        group.close()?;
+        writer.into_inner()
+    }
+
+    /// Write the cells of a column: of a list, each element and which of them begins it.
+    fn fill<'r>(
+        column: &mut ColumnWriter,
+        about: &ColumnDescriptor,
+        cells: impl Iterator<Item = &'r Value>,
+    ) -> Result<(), ParquetError> {
+        let (mut values, mut defined, mut repeated) = (Vec::new(), Vec::new(), Vec::new());
+        for cell in cells {
+            let list = match cell {
+                Value::Array(list) => list.as_slice(),
+                value => std::slice::from_ref(value),
+            };
+            if list.is_empty() {
+                defined.push(0);
+                repeated.push(0);
+            }
+            for (k, value) in list.iter().enumerate() {
+                defined.push(about.max_def_level() - i16::from(value.is_null()));
+                repeated.push(i16::from(k > 0));
+                values.extend((!value.is_null()).then_some(value));
+            }
+        }
+        let defined = (about.max_def_level() > 0).then_some(defined.as_slice());
+        let repeated = (about.max_rep_level() > 0).then_some(repeated.as_slice());
+        let values = values.into_iter();
+        match column {
+            ColumnWriter::ByteArrayColumnWriter(to) => {
+                let texts = values.map(|text| text.as_str().unwrap_or_default().into());
+                to.write_batch(&texts.collect::<Vec<ByteArray>>(), defined, repeated)?
+            }
+            ColumnWriter::DoubleColumnWriter(to) => {
+                let numbers = values.map(|x| x.as_f64().unwrap_or(f64::NAN));
+                to.write_batch(&numbers.collect::<Vec<f64>>(), defined, repeated)?
+            }
+            ColumnWriter::Int64ColumnWriter(to) => {
+                let counts = values.map(|count| count.as_i64().unwrap_or(i64::MAX));
+                to.write_batch(&counts.collect::<Vec<i64>>(), defined, repeated)?
+            }
+            _ => return Err(ParquetError::General("a column of another type".into())),
+        };
         Ok(())
     }
 }

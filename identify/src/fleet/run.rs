@@ -5,7 +5,6 @@
 //! store by what they hold, and evaluated if they are not there. Memory is that of the rows, and
 //! of one group's logs a thread.
 
-use std::collections::BTreeMap;
 use std::ops::ControlFlow::{Break, Continue};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -16,7 +15,6 @@ use std::thread;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
-use sesc_model::Snapping;
 
 use super::Options;
 use super::evaluate::row;
@@ -90,8 +88,6 @@ pub struct Fleet {
     pub twice: Vec<Twice>,
     /// Rows that were in the store.
     pub from_store: usize,
-    /// Names of the base parameters, by [`Row::model`].
-    pub names: BTreeMap<String, Vec<String>>,
 }
 
 /// What a group came to: its row, and what is known of its files where it was worked on.
@@ -106,8 +102,6 @@ pub struct Done {
     pub read: Vec<(String, PathBuf)>,
     /// Whether the row was in the store.
     pub from_store: bool,
-    /// The URDF, where it is not the fleet's.
-    pub urdf: Option<PathBuf>,
 }
 
 /// Look at every group.
@@ -180,7 +174,7 @@ pub fn run(request: &Request, watch: &mut dyn Watch) -> Result<Fleet, Error> {
         stop.store(true, Ordering::Relaxed);
         received
     })?;
-    Ok(gathered(all, robot))
+    Ok(gathered(all))
 }
 
 /// Work on one group: read its logs, and evaluate them unless the store has their row. `robot` is
@@ -198,10 +192,7 @@ pub fn work(
 ) -> Result<Done, Error> {
     let mut options = options.clone();
     options.support = group.support.clone().or(options.support);
-    let mut done = Done {
-        urdf: group.urdf.clone(),
-        ..Done::default()
-    };
+    let mut done = Done::default();
     let mut logs = Vec::new();
     for path in &group.logs {
         tell(watch, "diagnosing", 0, 1)?;
@@ -279,13 +270,11 @@ fn named(error: &str, read: &[(String, PathBuf)], group: &Group, robot: &Robot) 
     inputs.into_iter().map(failed).collect()
 }
 
-/// What groups came to, in any order, put together; `robot` is that of groups without a URDF of
-/// their own.
-pub fn gathered(all: Vec<Done>, robot: &Arc<Robot>) -> Fleet {
+/// What groups came to, in any order, put together.
+pub fn gathered(all: Vec<Done>) -> Fleet {
     let mut fleet = Fleet::default();
     // Every log: the hash of its content, its path, its robot and day.
     let mut read: Vec<(String, String, [String; 2])> = Vec::new();
-    let mut models = BTreeMap::new();
     for done in all {
         let row = done.row;
         fleet.failed.extend(done.failed);
@@ -293,10 +282,6 @@ pub fn gathered(all: Vec<Done>, robot: &Arc<Robot>) -> Fleet {
         for (hash, path) in done.read {
             let of = [row.robot.clone(), row.day.clone()];
             read.push((hash, path.display().to_string(), of));
-        }
-        if !row.params.is_empty() {
-            let model = (done.urdf, row.support.clone());
-            models.entry(row.model()).or_insert(model);
         }
         fleet.rows.push(row);
     }
@@ -308,13 +293,6 @@ pub fn gathered(all: Vec<Done>, robot: &Arc<Robot>) -> Fleet {
             same_as: first.clone(),
             counted_once: other.2 == *of,
         }));
-    }
-    for (key, (urdf, support)) in models {
-        let own = urdf.map(|path| read_urdf(&path).map(Arc::new));
-        let robot = own.unwrap_or_else(|| Ok(Arc::clone(robot)));
-        let model = robot.and_then(|robot| robot.model(&support, Snapping::default(), None));
-        let names = model.map(|model| model.base.params.iter().map(|p| p.name.clone()).collect());
-        fleet.names.insert(key, names.unwrap_or_default());
     }
     fleet.failed.sort();
     fleet.twice.sort();

@@ -41,7 +41,7 @@ fn fleet() -> Fleet {
 
 /// The pages of a fleet and of so many of its robots, and what the console says.
 fn shown(fleet: &Fleet, drawn: Option<&Skeleton>, file: &str, most: usize) -> (Pages, String) {
-    let summary = summary(&fleet.rows, &Default::default(), None);
+    let summary = summary(&fleet.rows, None);
     let pages = pages(fleet, &summary, drawn, ("sesc fleet", file), most);
     (pages.unwrap(), text(fleet, &summary, false))
 }

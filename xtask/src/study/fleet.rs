@@ -2,7 +2,7 @@
 //! URDF is new, two logs are cut and one comes twice; and fleets in which nothing is hidden, of
 //! which every shared effect and every change is a false alarm.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -36,7 +36,7 @@ fn look(fleet: &Fleet) -> Result<(Found, Summary), Failure> {
     let mut request = Request::new(Arc::new(Robot::read(Path::new(&urdf))?), groups(&logs));
     request.threads = Some(1);
     let found = run(&request, &mut ())?;
-    let summary = summary(&found.rows, &found.names, None);
+    let summary = summary(&found.rows, None);
     Ok((found, summary))
 }
 
@@ -194,7 +194,7 @@ fn together<'r>(robots: impl Iterator<Item = &'r Vec<Row>>) -> Summary {
         })
     });
     let rows: Vec<Row> = named.collect();
-    summary(&rows, &BTreeMap::new(), None)
+    summary(&rows, None)
 }
 
 /// Faults that batches share.

@@ -23,7 +23,6 @@
 //! squared differences between neighbouring days, parameter by parameter.
 
 use std::cell::OnceCell;
-use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -33,8 +32,9 @@ use super::history::{Course, History, Key, Parameter, Step};
 use super::history::{explained, freedom, median, principal, steps, tail};
 use super::shared::one_in;
 use super::{DIFFERENCES, FALSE_ALARM, HYPOTHESES, ROBOTS, UNSEEN};
-use crate::diagnose::words::capital;
-use crate::fleet::row::{Row, Size, by_number};
+use crate::diagnose::Quantity;
+use crate::diagnose::words::{capital, named};
+use crate::fleet::row::{Row, by_number};
 use crate::health::Finding;
 
 /// What kind of thing changed; its name in JSON is in small letters.
@@ -77,9 +77,9 @@ pub struct Change {
     /// Parameter of `before` and `after`; its end is the unit, or it is a base parameter in m.
     pub parameter: Option<String>,
     /// Its size on the day before; none where it is not seen.
-    pub before: Option<Size>,
+    pub before: Option<Quantity>,
     /// Its size on the last such day; none where it is not seen.
-    pub after: Option<Size>,
+    pub after: Option<Quantity>,
     /// Largest chance without changes; none of what is no estimate.
     pub chance: Option<f64>,
 }
@@ -101,16 +101,25 @@ impl Change {
         }
     }
 
-    /// A step of a number, which is `before` it and `after` it.
+    /// A step of a number, by its sizes before it and after it and by what is said of them.
     fn stepped(
         (course, step): (&Course, &Step),
-        (kind, target, parameter): (ChangeKind, String, String),
-        [before, after]: [Option<Size>; 2],
-        what: String,
+        (kind, target, parameter): (ChangeKind, String, &str),
+        [before, after]: [Option<Quantity>; 2],
+        (subject, [was, is], remark): (&str, [String; 2], &str),
     ) -> Change {
+        let (day, last) = (step.days.start - 1, step.days.end - 1);
+        let what = format!(
+            "{subject} changes: {was} on {}, {is} on {}{remark}. Chance would make it in {} \
+             fleets.",
+            course.day(day),
+            course.day(last),
+            one_in(step.chance)
+        );
+        let first = [step.first.start(), step.first.end()];
         Change {
-            day_interval: Some(course.days_of(step)),
-            parameter: Some(parameter),
+            day_interval: Some(first.map(|day| course.day(*day).to_string())),
+            parameter: Some(parameter.to_string()),
             before,
             after,
             chance: Some(step.chance),
@@ -119,23 +128,7 @@ impl Change {
     }
 }
 
-/// A step of a number, which is `before` it and `after` it, as a sentence.
-fn sentence(
-    subject: &str,
-    (course, step): (&Course, &Step),
-    [before, after]: [String; 2],
-    remark: &str,
-) -> String {
-    format!(
-        "{subject} changes: {before} on {}, {after} on {}{remark}. Chance would make it in {} \
-         fleets.",
-        course.day(step.days.start - 1),
-        course.day(step.days.end - 1),
-        one_in(step.chance)
-    )
-}
-
-pub(super) fn changes(histories: &[History], names: &BTreeMap<String, Vec<String>>) -> Vec<Change> {
+pub(super) fn changes(histories: &[History]) -> Vec<Change> {
     let robots = histories.len().max(1) as f64;
     let widening = widening(histories);
     // Most fleets have no effect that comes or goes.
@@ -148,7 +141,7 @@ pub(super) fn changes(histories: &[History], names: &BTreeMap<String, Vec<String
         for stretch in history.stretches() {
             let effects = effects(history, &stretch, &scatter, robots);
             if effects.is_empty() {
-                found.extend(parameters(&stretch, &widening, names, robots));
+                found.extend(parameters(&stretch, &widening, robots));
             }
             found.extend(effects);
         }
@@ -210,8 +203,9 @@ fn effects(
         };
         let course = course_of_effect(rows, key, name);
         // An effect that no explanation has is not there, whatever it might be.
-        let seen = |away: Size| (away.value != 0.0).then(|| absent.back(away));
-        let say = |size: Option<Size>| size.map_or("not seen".to_string(), |size| size.named(name));
+        let seen = |away: Quantity| (away.value != 0.0).then(|| absent.back(away));
+        let words = |Quantity { value, std }| named(name, value, std);
+        let say = |size: Option<Quantity>| size.map_or("not seen".to_string(), words);
         let mut since = 0;
         for step in steps(&course, HYPOTHESES * robots) {
             let before = &course.rows[since..step.days.start];
@@ -219,11 +213,10 @@ fn effects(
             if !is_borne_out(before, &course.rows[step.days.clone()], scatter()) {
                 continue;
             }
-            let sizes = [step.days.start, step.days.end].map(|next| seen(course.sizes[next - 1]));
-            let subject = capital(&key.subject());
-            let what = sentence(&subject, (&course, &step), sizes.map(say), "");
-            let about = (ChangeKind::Effect, key.label(), name.to_string());
-            all.push(Change::stepped((&course, &step), about, sizes, what));
+            let sizes = course.sizes_of(&step).map(seen);
+            let about = (ChangeKind::Effect, key.label(), name);
+            let said = (&*capital(&key.subject()), sizes.map(say), "");
+            all.push(Change::stepped((&course, &step), about, sizes, said));
         }
     }
     all
@@ -237,11 +230,11 @@ fn course_of_effect<'r>(rows: &[&'r Row], key: Key, parameter: &str) -> Course<'
         None if key.is_possible(row) => None,
         None => Some((*row, None)),
     };
-    let known: Vec<(&Row, Option<Size>)> = rows.iter().filter_map(of).collect();
+    let known: Vec<(&Row, Option<Quantity>)> = rows.iter().filter_map(of).collect();
     let stds = known
         .iter()
         .filter_map(|(_, size)| Some(size.as_ref()?.std));
-    let unseen = Size {
+    let unseen = Quantity {
         value: 0.0,
         std: UNSEEN * median(stds).unwrap_or(0.0),
     };
@@ -250,28 +243,21 @@ fn course_of_effect<'r>(rows: &[&'r Row], key: Key, parameter: &str) -> Course<'
 }
 
 /// When parameters change, the clearest of them named.
-fn parameters(
-    rows: &[&Row],
-    widening: &[f64],
-    names: &BTreeMap<String, Vec<String>>,
-    robots: f64,
-) -> Vec<Change> {
+fn parameters(rows: &[&Row], widening: &[f64], robots: f64) -> Vec<Change> {
     let count = rows.iter().map(|row| row.params.len()).max().unwrap_or(0);
     let rows = rows.iter().copied();
     let rows: Vec<&Row> = rows.filter(|row| row.params.len() == count).collect();
     let Some(first) = rows.first() else {
         return Vec::new();
     };
-    let mut changed: Vec<(usize, Course, Vec<Step>)> = Vec::new();
-    for k in 0..count {
+    let steps_of = |k: usize| {
         let wide = widening.get(k).copied().unwrap_or(1.0);
         let known = rows.iter();
         let course = Course::of(known.filter_map(|row| Some((*row, size(row, k, wide)?))));
         let steps = steps(&course, count as f64 * robots);
-        if !steps.is_empty() {
-            changed.push((k, course, steps));
-        }
-    }
+        (!steps.is_empty()).then_some((k, course, steps))
+    };
+    let changed: Vec<(usize, Course, Vec<Step>)> = (0..count).filter_map(steps_of).collect();
     let others = match changed.len().saturating_sub(1) {
         0 => String::new(),
         1 => ". Another parameter changes, too".to_string(),
@@ -286,15 +272,15 @@ fn parameters(
     let Some((k, course, steps)) = named else {
         return Vec::new();
     };
-    let name = names.get(&first.model()).and_then(|names| names.get(k));
+    let name = first.names.get(k);
     let name = name.map_or_else(|| format!("parameter {}", k + 1), String::clone);
-    let say = |Size { value, std }| format!("{:.3} ± {:.3} mm", 1e3 * value, 1e3 * std);
+    let say = |Quantity { value, std }| format!("{:.3} ± {:.3} mm", 1e3 * value, 1e3 * std);
     let remark = format!("; no effect is named for it{others}");
     let of = |step: &Step| {
-        let sizes = [step.days.start, step.days.end].map(|next| course.sizes[next - 1]);
-        let what = sentence(&name, (&course, step), sizes.map(say), &remark);
-        let about = (ChangeKind::Parameter, name.clone(), name.clone());
-        Change::stepped((&course, step), about, sizes.map(Some), what)
+        let sizes = course.sizes_of(step);
+        let about = (ChangeKind::Parameter, name.clone(), &*name);
+        let said = (&*name, sizes.map(say), &*remark);
+        Change::stepped((&course, step), about, sizes.map(Some), said)
     };
     steps.iter().map(of).collect()
 }
@@ -320,9 +306,8 @@ fn widening(histories: &[History]) -> Vec<f64> {
         }
     }
     let together = widening_of(squares.iter().flatten().copied());
-    let few = |own: &Vec<f64>| own.len() < DIFFERENCES;
     let each = |own: Vec<f64>| {
-        if few(&own) {
+        if own.len() < DIFFERENCES {
             together
         } else {
             widening_of(own)
@@ -372,9 +357,9 @@ fn squares_between<'r>(one: &'r Row, other: &'r Row) -> impl Iterator<Item = Opt
 }
 
 /// A parameter of a row with its widened deviation.
-fn size(row: &Row, k: usize, widening: f64) -> Option<Size> {
+fn size(row: &Row, k: usize, widening: f64) -> Option<Quantity> {
     let (value, std) = (*row.params.get(k)?, (*row.std.get(k)?)?);
-    (std > 0.0).then_some(Size {
+    (std > 0.0).then_some(Quantity {
         value,
         std: widening * std,
     })
@@ -437,23 +422,20 @@ fn mean(rows: &[&Row], of: &[usize]) -> Option<Mean> {
 /// The chance that held-out gaps differ so much where nothing changed.
 fn chance_of_gaps(before: &[&Row], after: &[&Row]) -> f64 {
     let pooled = |rows: &[&Row]| {
-        let (mut squares, mut free) = (0.0, 0.0);
-        let known = rows.iter().filter_map(|r| Some((r, r.held_out_rmse?)));
-        for (row, rmse) in known {
-            let own = freedom(&[row]);
-            squares += own * rmse * rmse;
-            free += own;
-        }
+        let known = rows
+            .iter()
+            .filter_map(|row| Some((freedom(&[row]), row.held_out_rmse?)));
+        let (squares, free) = known.fold((0.0, 0.0), |(squares, free), (own, rmse)| {
+            (squares + own * rmse * rmse, free + own)
+        });
         (free > 0.0).then_some((squares / free, free))
     };
-    let (Some(one), Some(other)) = (pooled(before), pooled(after)) else {
+    let (Some(mut larger), Some(mut smaller)) = (pooled(before), pooled(after)) else {
         return 1.0;
     };
-    let (larger, smaller) = if one.0 > other.0 {
-        (one, other)
-    } else {
-        (other, one)
-    };
+    if smaller.0 >= larger.0 {
+        std::mem::swap(&mut larger, &mut smaller);
+    }
     if smaller.0 <= 0.0 {
         return if larger.0 > 0.0 { 0.0 } else { 1.0 };
     }

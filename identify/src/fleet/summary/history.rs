@@ -24,8 +24,8 @@ use std::ops::{Range, RangeInclusive};
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 use super::{FALSE_ALARM, LEAST_FREEDOM, ONSET};
-use crate::diagnose::subject;
-use crate::fleet::row::{Absent, EffectFound, Row, Size, by_number};
+use crate::diagnose::{Quantity, subject};
+use crate::fleet::row::{Absent, EffectFound, Row, by_number};
 use crate::health::Finding;
 
 /// An effect at a target, of a row or a finding.
@@ -103,10 +103,8 @@ pub(super) fn histories(rows: &[Row]) -> Vec<History<'_>> {
     for rows in robots.values_mut() {
         rows.sort_by(|a, b| by_number(&a.day, &b.day).then_with(|| a.urdf_hash.cmp(&b.urdf_hash)));
     }
-    let robots = robots.into_iter();
-    robots
-        .map(|(robot, rows)| History { robot, rows })
-        .collect()
+    let history = |(robot, rows)| History { robot, rows };
+    robots.into_iter().map(history).collect()
 }
 
 impl<'r> History<'r> {
@@ -117,10 +115,8 @@ impl<'r> History<'r> {
 
     /// Whether most of its usable rows have effects in their explanation.
     pub fn has_effects(&self) -> bool {
-        let with = self
-            .usable()
-            .filter(|row| !row.effects.explanation.is_empty());
-        2 * with.count() > self.usable().count()
+        let has = |row: &&Row| !row.effects.explanation.is_empty();
+        2 * self.usable().filter(has).count() > self.usable().count()
     }
 
     /// Rows of which something came, whether it says something of the robot or not.
@@ -167,7 +163,7 @@ pub(super) fn principal<'r>(found: impl Iterator<Item = &'r EffectFound>) -> Opt
     for found in found {
         for (name, size) in &found.parameters {
             let absent = found.absent(name);
-            let Size { value, std } = absent.away(*size);
+            let Quantity { value, std } = absent.away(*size);
             let (told, _) = told.entry(name).or_insert((0.0, absent));
             *told += (value / std.max(f64::MIN_POSITIVE)).powi(2);
         }
@@ -190,19 +186,19 @@ pub(super) fn principal<'r>(found: impl Iterator<Item = &'r EffectFound>) -> Opt
 ///
 /// with u_i = 1/s_i² and Q = Σ u_i (x_i − x̄)² (DerSimonian and Laird 1986). Gives μ with its
 /// deviation, and τ.
-pub(super) fn pooled(values: &[Size]) -> Option<(Size, f64)> {
-    let known: Vec<Size> = values.iter().copied().filter(|v| v.std > 0.0).collect();
+pub(super) fn pooled(values: &[Quantity]) -> Option<(Quantity, f64)> {
+    let known: Vec<Quantity> = values.iter().copied().filter(|v| v.std > 0.0).collect();
     if known.is_empty() {
         return None;
     }
     let mean = |tau2: f64| {
-        let weight = |v: &Size| 1.0 / (v.std * v.std + tau2);
+        let weight = |v: &Quantity| 1.0 / (v.std * v.std + tau2);
         let sum: f64 = known.iter().map(weight).sum();
         let value = known.iter().map(|v| weight(v) * v.value).sum::<f64>() / sum;
         (value, sum)
     };
     let (first, sum) = mean(0.0);
-    let u = |v: &Size| 1.0 / (v.std * v.std);
+    let u = |v: &Quantity| 1.0 / (v.std * v.std);
     let q: f64 = known.iter().map(|v| u(v) * (v.value - first).powi(2)).sum();
     let squares: f64 = known.iter().map(|v| u(v) * u(v)).sum();
     let free = known.len() as f64 - 1.0;
@@ -212,7 +208,7 @@ pub(super) fn pooled(values: &[Size]) -> Option<(Size, f64)> {
     };
     let (value, sum) = mean(tau2);
     let std = sum.sqrt().recip();
-    Some((Size { value, std }, tau2.sqrt()))
+    Some((Quantity { value, std }, tau2.sqrt()))
 }
 
 /// The middle one of some values, by their size.
@@ -225,12 +221,12 @@ pub(super) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
 /// A number by day.
 pub(super) struct Course<'r> {
     pub rows: Vec<&'r Row>,
-    pub sizes: Vec<Size>,
+    pub sizes: Vec<Quantity>,
 }
 
 impl<'r> Course<'r> {
     /// The sizes of a number on the days of these rows.
-    pub(super) fn of(days: impl Iterator<Item = (&'r Row, Size)>) -> Course<'r> {
+    pub(super) fn of(days: impl Iterator<Item = (&'r Row, Quantity)>) -> Course<'r> {
         let (rows, sizes) = days.unzip();
         Course { rows, sizes }
     }
@@ -240,17 +236,10 @@ impl<'r> Course<'r> {
         &self.rows[place].day
     }
 
-    /// The first and the last day on which a change may have come.
-    pub(super) fn days_of(&self, step: &Step) -> [String; 2] {
-        [*step.first.start(), *step.first.end()].map(|day| self.day(day).to_string())
+    /// The sizes on the day before a step, and on the last day that is so.
+    pub(super) fn sizes_of(&self, step: &Step) -> [Quantity; 2] {
+        [step.days.start, step.days.end].map(|next| self.sizes[next - 1])
     }
-}
-
-/// Where a course can be split best.
-struct Split {
-    /// Place of the first day on which it is so.
-    onset: usize,
-    ln_p: f64,
 }
 
 /// A change of a course.
@@ -284,7 +273,7 @@ pub(super) fn steps(course: &Course, tests: f64) -> Vec<Step> {
         if again && is_straight(sizes) {
             continue;
         }
-        let Some(Split { onset, ln_p }) = split(sizes, freedom) else {
+        let Some((onset, ln_p)) = split(sizes, freedom) else {
             continue;
         };
         let chance = (ln_p + looks.ln()).exp().min(1.0);
@@ -297,8 +286,7 @@ pub(super) fn steps(course: &Course, tests: f64) -> Vec<Step> {
                 first: part.start + first..=part.start + last,
                 chance,
             });
-            parts.push((part.start..onset, 2.0 * looks));
-            parts.push((onset..part.end, 2.0 * looks));
+            parts.extend([part.start..onset, onset..part.end].map(|part| (part, 2.0 * looks)));
         }
     }
     steps.sort_by_key(|step| step.days.start);
@@ -309,7 +297,7 @@ pub(super) fn steps(course: &Course, tests: f64) -> Vec<Step> {
 }
 
 /// Whether a straight line over the days, weighted by 1/s², explains the sizes.
-fn is_straight(sizes: &[Size]) -> bool {
+fn is_straight(sizes: &[Quantity]) -> bool {
     let days = sizes.iter().enumerate().map(|(day, size)| {
         let weight = 1.0 / (size.std * size.std);
         (day as f64, size.value, weight)
@@ -326,18 +314,18 @@ fn is_straight(sizes: &[Size]) -> bool {
     law.is_ok_and(|law| tail(&law, chi2) > FALSE_ALARM) || sizes.len() < 3
 }
 
-fn split(sizes: &[Size], freedom: f64) -> Option<Split> {
-    let n = sizes.len();
+/// Where sizes can be split best: the place of the first day on which it is so, and ln p of that.
+fn split(sizes: &[Quantity], freedom: f64) -> Option<(usize, f64)> {
     // Means of the days before each day, and of those from it on.
     let before = means(sizes.iter());
     let mut after = means(sizes.iter().rev());
     after.reverse();
-    let gap = |later: Size, k: usize| {
-        let before: Size = before[k - 1];
+    let gap = |later: Quantity, k: usize| {
+        let before: Quantity = before[k - 1];
         (later.value - before.value) / later.std.hypot(before.std)
     };
     let z = |k: usize| gap(after[k], k);
-    let best = (1..n).max_by(|a, b| z(*a).abs().total_cmp(&z(*b).abs()))?;
+    let best = (1..sizes.len()).max_by(|a, b| z(*a).abs().total_cmp(&z(*b).abs()))?;
     let of = |k: usize| {
         let own = gap(sizes[k], k);
         own.abs() > ONSET && own.signum() == z(best).signum()
@@ -347,14 +335,14 @@ fn split(sizes: &[Size], freedom: f64) -> Option<Split> {
     let law = StudentsT::new(0.0, 1.0, freedom.max(LEAST_FREEDOM)).ok()?;
     let p = 2.0 * tail(&law, z(best).abs());
     let ln_p = p.max(f64::MIN_POSITIVE).ln();
-    z(best).is_finite().then_some(Split { onset, ln_p })
+    z(best).is_finite().then_some((onset, ln_p))
 }
 
 /// The first and the last of the days that have 95 % of the probability of a step.
-fn days_of_95_percent(sizes: &[Size]) -> RangeInclusive<usize> {
-    let left = |of: &[Size]| {
+fn days_of_95_percent(sizes: &[Quantity]) -> RangeInclusive<usize> {
+    let left = |of: &[Quantity]| {
         let mean = means(of.iter()).pop().map_or(0.0, |mean| mean.value);
-        let square = |size: &Size| ((size.value - mean) / size.std).powi(2);
+        let square = |size: &Quantity| ((size.value - mean) / size.std).powi(2);
         of.iter().map(square).sum::<f64>()
     };
     let chi2: Vec<f64> = (1..sizes.len())
@@ -362,19 +350,19 @@ fn days_of_95_percent(sizes: &[Size]) -> RangeInclusive<usize> {
         .collect();
     let least = chi2.iter().copied().fold(f64::INFINITY, f64::min);
     let weights = chi2.iter().map(|chi2| (-0.5 * (chi2 - least)).exp());
-    let mut days: Vec<(usize, f64)> = weights.enumerate().map(|(k, w)| (k + 1, w)).collect();
+    let mut days: Vec<(usize, f64)> = (1..).zip(weights).collect();
     days.sort_by(|a, b| b.1.total_cmp(&a.1));
     let all: f64 = days.iter().map(|(_, weight)| weight).sum();
     let mut held = 0.0;
-    let (mut first, mut last) = (sizes.len(), 0);
-    for (day, weight) in days {
-        if held > 0.95 * all {
-            break;
-        }
+    let likeliest = days.iter().take_while(|(_, weight)| {
+        let before = held;
         held += weight;
-        (first, last) = (first.min(day), last.max(day));
-    }
-    first..=last
+        before <= 0.95 * all
+    });
+    let mut days: Vec<usize> = likeliest.map(|(day, _)| *day).collect();
+    days.sort_unstable();
+    let first = days.first().map_or(sizes.len(), |day| *day);
+    first..=days.last().map_or(0, |day| *day)
 }
 
 /// Chance of `x` or more. Numbers that come from a file may be anything, of which laws take those
@@ -388,13 +376,13 @@ pub(super) fn tail(law: &impl ContinuousCDF<f64, f64>, x: f64) -> f64 {
 }
 
 /// Means weighted by 1/s² of the first number, of the first two, and so on.
-pub(super) fn means<'s>(sizes: impl Iterator<Item = &'s Size>) -> Vec<Size> {
+pub(super) fn means<'s>(sizes: impl Iterator<Item = &'s Quantity>) -> Vec<Quantity> {
     let (mut sum, mut weights) = (0.0, 0.0);
-    let mean = |size: &Size| {
+    let mean = |size: &Quantity| {
         let weight = 1.0 / (size.std * size.std);
         weights += weight;
         sum += weight * size.value;
-        Size {
+        Quantity {
             value: sum / weights,
             std: weights.sqrt().recip(),
         }
@@ -412,9 +400,9 @@ mod tests {
     #[test]
     fn values_that_scatter_more_than_they_should_are_known_less_well() {
         let of = |values: &[f64]| {
-            let sizes: Vec<Size> = values
+            let sizes: Vec<Quantity> = values
                 .iter()
-                .map(|&value| Size { value, std: 0.1 })
+                .map(|&value| Quantity { value, std: 0.1 })
                 .collect();
             pooled(&sizes).unwrap()
         };
@@ -439,11 +427,11 @@ mod tests {
                 let day = random.random_range(1..12);
                 let noise = |_| -> f64 { StandardNormal.sample(&mut random) };
                 let course: Vec<f64> = (0..12).map(noise).collect();
-                let size = |(k, noise): (usize, &f64)| Size {
+                let size = |(k, noise): (usize, &f64)| Quantity {
                     value: 1e-3 * (noise + if k < day { 0.0 } else { step }),
                     std: 1e-3,
                 };
-                let sizes: Vec<Size> = course.iter().enumerate().map(size).collect();
+                let sizes: Vec<Quantity> = course.iter().enumerate().map(size).collect();
                 let days = days_of_95_percent(&sizes);
                 held += usize::from(days.contains(&day));
                 length += days.end() - days.start() + 1;

@@ -22,7 +22,7 @@ mod changes;
 mod history;
 mod shared;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use serde::Serialize;
 use statrs::distribution::{Binomial, DiscreteCDF as _};
@@ -115,17 +115,12 @@ pub struct Summary {
     pub population: Option<Population>,
 }
 
-/// What the rows say together. `names` are those of the base parameters by [`Row::model`];
-/// without them parameters are numbered. `population` is what
-/// [`population`](super::population()) made of the same rows, where they have covariances.
-pub fn summary(
-    rows: &[Row],
-    names: &BTreeMap<String, Vec<String>>,
-    population: Option<Population>,
-) -> Summary {
+/// What the rows say together. `population` is what [`population`](super::population()) made of
+/// the same rows, where they have covariances.
+pub fn summary(rows: &[Row], population: Option<Population>) -> Summary {
     let histories = history::histories(rows);
     let shared = shared::shared(&histories);
-    let changes = changes::changes(&histories, names);
+    let changes = changes::changes(&histories);
     let reasons = reasons(&histories, &shared, &changes);
     Summary {
         look_first: reasons.iter().map(|reason| reason.robot.clone()).collect(),

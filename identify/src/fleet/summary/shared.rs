@@ -55,9 +55,9 @@ use sesc_model::text::listed;
 
 use super::history::{History, Key, Parameter, median, pooled, principal};
 use super::{ALIKE, CLEARLY, DIFFER, FALSE_ALARM, OWN};
-use crate::diagnose::words::spoken;
-use crate::diagnose::{CLASS_SCORE, TOLD_APART};
-use crate::fleet::row::{Row, Size};
+use crate::diagnose::words::{named, spoken};
+use crate::diagnose::{CLASS_SCORE, Quantity, TOLD_APART};
+use crate::fleet::row::Row;
 use crate::observations::postures::range;
 
 /// An effect that robots share.
@@ -108,9 +108,9 @@ pub struct SharedMember {
 struct Member<'r> {
     robot: &'r str,
     /// How far its parameter is from what it is without the effect.
-    size: Size,
+    size: Quantity,
     /// The same on each day.
-    days: Vec<Size>,
+    days: Vec<Quantity>,
     /// Evidence of all days.
     evidence: f64,
     /// Evidence of the effect that explains the robot best.
@@ -139,10 +139,15 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
     let keys: BTreeSet<Key> = histories.iter().flat_map(History::scored).collect();
     let open = keys.into_iter().filter_map(|key| candidate(histories, key));
     let mut open: Vec<Candidate> = open.collect();
-    let mut best: BTreeMap<&str, f64> = BTreeMap::new();
-    for member in open.iter().flat_map(|candidate| &candidate.members) {
-        let best = best.entry(member.robot).or_default();
-        *best = best.max(member.evidence);
+    // Evidence of the best effect of each robot, and the largest size of each effect.
+    let (mut best, mut largest) = (BTreeMap::new(), BTreeMap::new());
+    for Candidate { key, members, .. } in &open {
+        for member in members {
+            let best: &mut f64 = best.entry(member.robot).or_default();
+            *best = best.max(member.evidence);
+            let largest: &mut f64 = largest.entry(key.effect).or_default();
+            *largest = largest.max(member.size.value.abs());
+        }
     }
     for member in open.iter_mut().flat_map(|candidate| &mut candidate.members) {
         member.best = best[member.robot];
@@ -151,20 +156,13 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
     let own = histories.iter().filter(|history| history.has_effects());
     let own = own.count() as f64 / histories.len().max(1) as f64;
     let alike = own.max(OWN) * (ALIKE / looked_at).min(1.0);
-    let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
-    for Candidate { key, members, .. } in &open {
-        let largest = largest.entry(key.effect).or_default();
-        let sizes = members.iter().map(|m| m.size.value.abs());
-        *largest = sizes.fold(*largest, f64::max);
-    }
     let mut found: Vec<Shared> = Vec::new();
     loop {
         // Whoever looks for a further group looks once more.
         let looks = (looked_at / ALIKE).max(1.0) * (1 + found.len()) as f64;
-        let groups = open.iter().filter_map(|candidate| {
-            let largest = largest[candidate.key.effect];
-            let group = candidate.group(largest, histories.len(), alike, looks)?;
-            Some((candidate, group))
+        let groups = open.iter().filter_map(|own| {
+            let group = own.group(largest[own.key.effect], histories.len(), alike, looks)?;
+            Some((own, group))
         });
         let Some((best, group)) = groups.max_by(|a, b| a.1.sum.total_cmp(&b.1.sum)) else {
             break;
@@ -210,7 +208,7 @@ fn candidate<'r>(histories: &[History<'r>], key: Key<'r>) -> Option<Candidate<'r
     let parameter = principal(rows.filter_map(|row| key.scored(row)))?;
     let member = |history: &History<'r>| {
         let scores = history.usable().filter_map(|row| key.scored(row));
-        let (sizes, evidence): (Vec<Size>, Vec<f64>) = scores
+        let (sizes, evidence): (Vec<Quantity>, Vec<f64>) = scores
             .filter_map(|found| Some((found.away(parameter.name)?, found.evidence)))
             .unzip();
         let (size, _) = pooled(&sizes)?;
@@ -321,11 +319,11 @@ impl<'r> Candidate<'r> {
     /// How much better the effect explains these robots if they share it than each is explained by
     /// the best of its own.
     fn explained(&self, members: &[&Member], alike: f64) -> Option<f64> {
-        let sizes: Vec<Size> = members.iter().map(|m| m.size).collect();
+        let sizes: Vec<Quantity> = members.iter().map(|m| m.size).collect();
         let (shared, _) = pooled(&sizes)?;
         let of = |m: &&Member| {
             let own = self.by_bodies.hypot(DIFFER * shared.value);
-            let misfit = |day: &Size| ((day.value - shared.value) / day.std.hypot(own)).powi(2);
+            let misfit = |day: &Quantity| ((day.value - shared.value) / day.std.hypot(own)).powi(2);
             let days = m.days.iter().map(|day| 1.0 - misfit(day)).sum::<f64>();
             m.evidence + days - m.best - 2.0 * alike.ln()
         };
@@ -345,24 +343,24 @@ impl<'r> Candidate<'r> {
         }: &Group,
         instead: Vec<String>,
     ) -> Shared {
-        let sizes: Vec<Size> = members.iter().map(|m| m.size).collect();
+        let sizes: Vec<Quantity> = members.iter().map(|m| m.size).collect();
         let (size, own_std) = pooled(&sizes).unwrap_or_default();
         let own_std_interval = interval(&sizes, own_std).unwrap_or([0.0, own_std]);
         // As people know the parameter, and not from what it is without the effect.
         let Parameter { name, absent } = self.parameter;
-        let back = |away: Size| absent.back(away);
-        let spread = |std: f64| back(Size { std, ..size }).std;
+        let back = |away: Quantity| absent.back(away);
+        let spread = |std: f64| back(Quantity { std, ..size }).std;
         let (own_std, own_std_interval) = (spread(own_std), own_std_interval.map(spread));
         let size = back(size);
         let of_robot = |member: &&Member| {
-            let Size { value, std } = back(member.size);
+            let Quantity { value, std } = back(member.size);
             let robot = member.robot.to_string();
             SharedMember { robot, value, std }
         };
         let mut members: Vec<SharedMember> = members.iter().map(of_robot).collect();
         members.sort_by(|a, b| a.robot.cmp(&b.robot));
         let robots: Vec<String> = members.iter().map(|member| member.robot.clone()).collect();
-        let said = size.named(name);
+        let said = named(name, size.value, size.std);
         let own = own_in_words(name, own_std, own_std_interval);
         let mut as_well = String::new();
         if !instead.is_empty() {
@@ -397,31 +395,27 @@ fn own_in_words(parameter: &str, own_std: f64, [low, high]: [f64; 2]) -> String 
         let said = spoken(parameter, value, 0.0);
         said.split(" ±").next().unwrap_or(&said).to_string()
     };
-    match own_std > 0.0 {
-        true => format!(
-            "each differs from it by {} RMS (95 %: {} to {})",
-            say(own_std),
-            say(low),
-            say(high)
-        ),
-        false => format!(
-            "they differ by no more than their uncertainty (95 %: at most {} RMS)",
-            say(high)
-        ),
+    let high = say(high);
+    if own_std > 0.0 {
+        let (own, low) = (say(own_std), say(low));
+        format!("each differs from it by {own} RMS (95 %: {low} to {high})")
+    } else {
+        format!("they differ by no more than their uncertainty (95 %: at most {high} RMS)")
     }
 }
 
 /// `1 of 1000`, or of as many more.
 pub(super) fn one_in(chance: f64) -> String {
-    match chance {
-        p if p < 1e-9 => "less than 1 of a billion".to_string(),
-        p => format!("1 of {:.0}", 1.0 / p),
+    if chance < 1e-9 {
+        "less than 1 of a billion".to_string()
+    } else {
+        format!("1 of {:.0}", 1.0 / chance)
     }
 }
 
 /// 95 % interval of τ around an estimate of it; none of fewer than two values.
-fn interval(values: &[Size], estimate: f64) -> Option<[f64; 2]> {
-    let known: Vec<Size> = values.iter().copied().filter(|v| v.std > 0.0).collect();
+fn interval(values: &[Quantity], estimate: f64) -> Option<[f64; 2]> {
+    let known: Vec<Quantity> = values.iter().copied().filter(|v| v.std > 0.0).collect();
     if known.len() < 2 {
         return None;
     }
@@ -441,14 +435,14 @@ fn interval(values: &[Size], estimate: f64) -> Option<[f64; 2]> {
     // The ends of the interval are between a point that is in it and the next that is not.
     let below = (0..best).rev().find(|at| !is_in(points[*at].1));
     let above = (best..points.len()).find(|at| !is_in(points[*at].1));
-    let end = |inside: f64, outside: f64| {
-        let (mut inside, mut outside) = (inside, outside);
+    let end = |mut inside: f64, mut outside: f64| {
         // To a part of 10⁻¹².
         for _ in 0..40 {
             let middle = 0.5 * (inside + outside);
-            match is_in(likelihood(&known, middle)) {
-                true => inside = middle,
-                false => outside = middle,
+            if is_in(likelihood(&known, middle)) {
+                inside = middle;
+            } else {
+                outside = middle;
             }
         }
         inside
@@ -459,8 +453,8 @@ fn interval(values: &[Size], estimate: f64) -> Option<[f64; 2]> {
     Some([low.min(estimate), high.max(estimate)])
 }
 
-fn likelihood(values: &[Size], tau: f64) -> f64 {
-    let variance = |v: &Size| v.std * v.std + tau * tau;
+fn likelihood(values: &[Quantity], tau: f64) -> f64 {
+    let variance = |v: &Quantity| v.std * v.std + tau * tau;
     let sum: f64 = values.iter().map(|v| 1.0 / variance(v)).sum();
     let mean = values.iter().map(|v| v.value / variance(v)).sum::<f64>() / sum;
     let each = values.iter().map(|v| {
@@ -486,11 +480,11 @@ mod tests {
         for tau in [0.0, 1.0, 5.0] {
             let mut held = 0;
             for _ in 0..400 {
-                let values: Vec<Size> = (0..8)
+                let values: Vec<Quantity> = (0..8)
                     .map(|k| {
                         let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
                         let std = 1.0 + k as f64 / 7.0;
-                        Size {
+                        Quantity {
                             value: 30.0 + tau * normal() + std * normal(),
                             std,
                         }
@@ -508,7 +502,7 @@ mod tests {
 
     #[test]
     fn two_robots_tell_little_and_one_tells_nothing() {
-        let size = |value: f64| Size { value, std: 0.1 };
+        let size = |value: f64| Quantity { value, std: 0.1 };
         assert_eq!(interval(&[size(1.0)], 0.0), None);
         let [low, high] = interval(&[size(1.0), size(1.0)], 0.0).unwrap();
         assert!(low == 0.0 && (0.1..1.0).contains(&high), "{high}");

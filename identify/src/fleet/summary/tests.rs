@@ -5,7 +5,8 @@ mod drawn;
 use rand::RngExt as _;
 
 use super::*;
-use crate::fleet::row::{Absent, Size};
+use crate::diagnose::Quantity;
+use crate::fleet::row::Absent;
 use crate::tests::says;
 use drawn::{Drawn, PARAMS, STD};
 
@@ -401,7 +402,7 @@ fn factors_differ_from_one_and_stiffness_from_none() {
                 let std = 0.02 * value;
                 row.effects.explanation[0].effect = "joint_scale".into();
                 row.effects.explanation[0].parameters =
-                    [(name.to_string(), Size { value, std })].into();
+                    [(name.to_string(), Quantity { value, std })].into();
                 row.effects.explanation[0].absent = parameter.clone().into();
             }
         }

@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::super::{Summary, summary};
-use crate::diagnose::Verdict;
-use crate::fleet::row::{EffectFound, Effects, Row, Size};
+use crate::diagnose::{Quantity, Verdict};
+use crate::fleet::row::{EffectFound, Effects, Row};
 
 /// Deviation of a drawn offset, rad, and of a drawn parameter, m.
 pub const STD: f64 = 0.001;
@@ -29,7 +29,7 @@ fn scored(joint: &str, value: f64) -> EffectFound {
     EffectFound {
         effect: "joint_offset".into(),
         target: joint.into(),
-        parameters: [("offset_rad".to_string(), Size { value, std: STD })].into(),
+        parameters: [("offset_rad".to_string(), Quantity { value, std: STD })].into(),
         absent: BTreeMap::new(),
         evidence: (value / STD).powi(2) - 10.0,
     }
@@ -116,6 +116,6 @@ impl Drawn {
     }
 
     pub fn summary(&self) -> Summary {
-        summary(&self.rows, &BTreeMap::new(), None)
+        summary(&self.rows, None)
     }
 }
