@@ -176,12 +176,11 @@ impl Head {
             head.push(&block, dof, rows);
         }
         if plan.is_none() || head.postures.is_of_stays() {
-            let known = head.postures.postures();
             let joined = measurement.join_reached_again(&mut head.repeats, &head.postures)?;
             let pairs = joined.iter().flatten().enumerate();
             head.first_visits = pairs
                 .filter(|(k, first)| *first < k)
-                .map(|(k, first)| (known[k].key, known[*first].key))
+                .map(|(k, first)| [k, *first].map(|k| head.postures.posture(k).key).into())
                 .collect();
         }
         Ok(head)

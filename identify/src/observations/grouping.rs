@@ -7,7 +7,7 @@
 //!
 //! Repeated readings tell the noise and belong to one fold. Two sessions that were
 //! numbered alike share a `pose` and not the joint positions: they are postures of
-//! their own. A posture needs about 80 bytes and 4 per joint here, and [`MOST`] of
+//! their own. A posture needs some 100 bytes and 4 per joint here, and [`MOST`] of
 //! them are known at a time; those of longer logs are one posture only as long as
 //! their rows follow each other.
 //!
@@ -25,8 +25,12 @@ use super::criteria::repeats::{APART, FEWEST, REACHED};
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 
-/// Postures known at a time: some 40 MB for 20 joints.
+/// Postures known at a time: some 45 MB for 20 joints.
 pub const MOST: usize = 200_000;
+
+/// Postures that lie in one piece of memory: a longer list would be copied where it grows, and
+/// leave holes of its size.
+const PIECE: usize = 4096;
 
 /// Repeated readings are of one posture up to this, rad or m: servos jitter.
 const JITTER: f32 = 0.02;
@@ -78,9 +82,7 @@ pub struct Grouping<T> {
     known: HashMap<Name, u32>,
     /// The largest `pose` among them: beyond it no posture is known, and none is looked for.
     largest: i64,
-    postures: Vec<Posture<T>>,
-    /// Joints and the direction of gravity in the first row of each posture, rad or m.
-    at: Vec<f32>,
+    pieces: Vec<Piece<T>>,
     /// Their means over the rows of each of the first [`LOOKED`] postures.
     mean: Vec<f32>,
     /// The last posture for which there was no room: its number is one beyond the others'.
@@ -90,6 +92,14 @@ pub struct Grouping<T> {
     moved: u64,
     /// Rows so far.
     rows: u64,
+}
+
+/// Some postures, in the order of their first rows.
+#[derive(Debug, Clone, PartialEq)]
+struct Piece<T> {
+    postures: Vec<Posture<T>>,
+    /// Joints and the direction of gravity in the first row of each posture, rad or m.
+    at: Vec<f32>,
 }
 
 /// Whether a row belongs to a posture that is known.
@@ -115,8 +125,7 @@ impl<T: Default> Grouping<T> {
             any_unit: false,
             known: HashMap::new(),
             largest: i64::MIN,
-            postures: Vec::new(),
-            at: Vec::new(),
+            pieces: Vec::new(),
             mean: Vec::new(),
             last: None,
             supports: Vec::new(),
@@ -182,11 +191,12 @@ impl<T: Default> Grouping<T> {
         };
         let mut visit = Visit::Same;
         if let Some(number) = number {
-            let at = &mut self.at[number * width..(number + 1) * width];
-            let degrees = self.any_unit && at.iter().any(|a| a.abs() > TAU);
+            let (at, k) = (number / PIECE, number % PIECE);
+            let first = &self.pieces[at].at[k * width..(k + 1) * width];
+            let degrees = self.any_unit && first.iter().any(|a| a.abs() > TAU);
             let jitter = if degrees { JITTER.to_degrees() } else { JITTER };
-            if !at.iter().zip(values()).any(|(a, b)| (a - b).abs() > jitter) {
-                let posture = &mut self.postures[number];
+            if !first.iter().zip(values()).any(|(a, b)| (a - b).abs() > jitter) {
+                let posture = &mut self.pieces[at].postures[k];
                 posture.visits += u32::from(posture.last_row + 1 < row);
                 posture.last_row = row;
                 posture.rows = posture.rows.saturating_add(1);
@@ -199,28 +209,38 @@ impl<T: Default> Grouping<T> {
             // A fold of its own: as good as drawn, and not that of the other posture.
             new.key = pose.wrapping_add((self.moved as i64).wrapping_mul(0x5851_f42d));
             visit = Visit::Moved;
-            if self.postures.len() >= most {
-                let pairs = at.iter_mut().zip(values());
+            if self.len() >= most {
+                let piece = &mut self.pieces[at];
+                let pairs = piece.at[k * width..].iter_mut().zip(values());
                 pairs.for_each(|(to, from)| *to = from);
-                self.postures[number] = new;
-                return (&mut self.postures[number], visit);
+                piece.postures[k] = new;
+                return (&mut piece.postures[k], visit);
             }
         }
-        if self.postures.len() < most {
-            self.known.insert(name, self.postures.len() as u32);
+        let number = self.len().min(most);
+        if number < most {
+            self.known.insert(name, number as u32);
             self.largest = self.largest.max(pose);
         } else {
             self.last = Some(name);
-            self.postures.truncate(most);
-            self.at.truncate(most * width);
         }
-        self.at.extend(values());
-        let number = self.postures.len();
         if number < LOOKED.min(most) {
             self.mean.extend(values());
         }
-        self.postures.push(new);
-        (&mut self.postures[number], visit)
+        let k = number % PIECE;
+        if number / PIECE == self.pieces.len() {
+            self.pieces.push(Piece {
+                postures: Vec::new(),
+                at: Vec::new(),
+            });
+        }
+        let piece = &mut self.pieces[number / PIECE];
+        // The last posture for which there was no room gives way to this one.
+        piece.postures.truncate(k);
+        piece.at.truncate(k * width);
+        piece.at.extend(values());
+        piece.postures.push(new);
+        (&mut piece.postures[k], visit)
     }
 
     /// Supports are few, rows are many.
@@ -235,20 +255,30 @@ impl<T: Default> Grouping<T> {
 }
 
 impl<T> Grouping<T> {
-    /// Postures in the order of their first rows.
-    pub fn postures(&self) -> &[Posture<T>] {
-        &self.postures
+    /// Postures that are known, and the last one for which there was no room.
+    fn len(&self) -> usize {
+        let last = self.pieces.last();
+        last.map_or(0, |last| (self.pieces.len() - 1) * PIECE + last.postures.len())
+    }
+
+    /// A posture by the order of first rows.
+    pub fn posture(&self, k: usize) -> &Posture<T> {
+        &self.pieces[k / PIECE].postures[k % PIECE]
+    }
+
+    fn postures(&self) -> impl Iterator<Item = &Posture<T>> {
+        self.pieces.iter().flat_map(|piece| &piece.postures)
     }
 
     /// Whether each posture has several rows, so that a log that is dense in time is one of stays
     /// alone.
     pub fn is_of_stays(&self) -> bool {
-        self.postures.iter().all(|posture| posture.rows > 1)
+        self.postures().all(|posture| posture.rows > 1)
     }
 
     /// Where the robot stands in each posture, of at most [`LOOKED`].
     pub fn stances(&self) -> Vec<Stance<'_>> {
-        let each = self.mean.chunks_exact(self.width()).zip(&self.postures);
+        let each = self.mean.chunks_exact(self.width()).zip(self.postures());
         each.map(|(mean, posture)| {
             let mean: Vec<f64> = mean.iter().map(|x| f64::from(*x)).collect();
             let (q, [x, y]) = mean.split_last_chunk().expect("gravity is there");
@@ -265,8 +295,9 @@ impl<T> Grouping<T> {
     /// before; none where none was, as far as their joint positions show. A posture that follows
     /// its like is not reached again.
     pub fn reached_again(&self) -> Option<Vec<usize>> {
-        let n = self.postures.len();
-        let in_degrees = self.any_unit && self.at.iter().any(|x| x.abs() > TAU);
+        let n = self.len();
+        let mut at = self.pieces.iter().flat_map(|piece| &piece.at);
+        let in_degrees = self.any_unit && at.any(|x| x.abs() > TAU);
         if n >= LOOKED.min(self.most) || in_degrees {
             return None;
         }
@@ -303,13 +334,14 @@ impl<T> Grouping<T> {
     }
 
     fn width(&self) -> usize {
-        self.at.len() / self.postures.len().max(1)
+        let first = self.pieces.first();
+        first.map_or(1, |first| first.at.len() / first.postures.len().max(1))
     }
 
     /// Largest difference of joint positions or of gravity, where it is below `most`; infinite
     /// elsewhere, and on different supports.
     fn distance(&self, a: usize, b: usize, most: f32) -> f32 {
-        if self.postures[a].support != self.postures[b].support {
+        if self.posture(a).support != self.posture(b).support {
             return f32::INFINITY;
         }
         let width = self.width();
@@ -321,7 +353,7 @@ impl<T> Grouping<T> {
 
     /// Edges of the shortest tree that joins all postures, the shortest first (Prim 1957).
     fn shortest_tree(&self) -> Vec<(f32, usize, usize)> {
-        let mut open: Vec<(f32, usize, usize)> = (1..self.postures.len())
+        let mut open: Vec<(f32, usize, usize)> = (1..self.len())
             .map(|k| (self.distance(0, k, f32::INFINITY), 0, k))
             .collect();
         let mut edges = Vec::with_capacity(open.len());

@@ -185,7 +185,8 @@ impl Mean {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Group {
     all: Mean,
-    visit: Mean,
+    /// Those of this visit, where it is not the first.
+    visit: Option<Box<Mean>>,
     visits: u32,
 }
 
@@ -205,13 +206,16 @@ impl Repeats {
     pub fn push(&mut self, group: &mut Group, visit: u32, reading: [f64; 2], std: [f64; 2]) {
         self.postures += u64::from(group.visits == 0);
         if group.visits != visit {
+            group.visit = (group.visits > 0).then(Box::default);
             group.visits = visit;
-            group.visit = Mean::default();
             self.visits += 1;
         }
         self.rows += 1;
+        match &mut group.visit {
+            Some(own) => own.push(&mut self.about_visits, reading, std),
+            None => group.all.clone().push(&mut self.about_visits, reading, std),
+        }
         group.all.push(&mut self.about_postures, reading, std);
-        group.visit.push(&mut self.about_visits, reading, std);
     }
 
     /// Take postures of `known` that were reached again under another number for visits of one;
@@ -230,7 +234,7 @@ impl Repeats {
             return Ok(None);
         };
         let predicted = predicted(&known.stances())?;
-        let own = |k: usize| &group(&known.postures()[k].own).all;
+        let own = |k: usize| &group(&known.posture(k).own).all;
         let mut joined: Vec<Mean> = (0..first.len()).map(|k| own(k).clone()).collect();
         for (k, to) in first.iter().copied().enumerate() {
             // Rows that a robust fit rejects are none.
