@@ -236,8 +236,8 @@ pub(super) fn parked(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<F
              {:.1} mm. Rows with this position are left out; check its cable.",
             dof.joint,
             rows.some((0..rows.len()).filter(|&k| parked(k)).count()),
-            rows.number[run[0]],
-            rows.number[run[run.len() - 1]],
+            rows.number(run[0]),
+            rows.number(run[run.len() - 1]),
             1e3 * off,
             1e3 * off_elsewhere
         );

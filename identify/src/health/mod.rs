@@ -182,7 +182,7 @@ pub(crate) fn look(
     // At most 2000 postures.
     let stride = rows.len().div_ceil(2000).max(1);
     let kept = |k: &usize| {
-        left_out.keeps(rows.reading[*k], rows.force(*k)) && left_out.follows(rows.q(*k))
+        left_out.keeps(rows.readings()[*k], rows.force(*k)) && left_out.follows(rows.q(*k))
     };
     let chosen: Vec<usize> = (0..rows.len()).filter(kept).step_by(stride).collect();
     if chosen.is_empty() {

@@ -58,6 +58,19 @@ impl Block {
         self.line.len()
     }
 
+    /// Joints of a row, rad or m.
+    pub(crate) fn joints(&self, row: usize) -> &[f64] {
+        let dof = self.q.len() / self.len().max(1);
+        &self.q[row * dof..(row + 1) * dof]
+    }
+
+    /// Forces of the foot cells in a row, N; none of a log without cells.
+    pub(crate) fn forces(&self, row: usize) -> &[f64] {
+        let of = |cells: &Cells| row * cells.count..(row + 1) * cells.count;
+        let cells = self.cells.as_ref();
+        cells.map_or(&[], |cells| &cells.force[of(cells)])
+    }
+
     /// Keep the rows for which `keep` says so.
     pub fn retain(&mut self, keep: &[bool]) {
         let is_kept = |row: &usize| keep.get(*row).copied().unwrap_or(true);

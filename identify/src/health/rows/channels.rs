@@ -31,18 +31,18 @@ impl LogRows {
     /// What tells a row: its joints and what was read, or one of them.
     fn key(&self, row: usize, joints: bool, reading: bool) -> u64 {
         let q = if joints { self.q(row) } else { &[] };
-        let read = reading_of(&self.reading[row], self.force(row));
+        let read = reading_of(&self.readings()[row], self.force(row));
         key(q, if reading { read } else { &[] })
     }
 
     /// How many channels there are: cells, else the axes of the CoP.
     fn channels(&self) -> usize {
-        if self.cells > 0 { self.cells } else { 2 }
+        if self.cells() > 0 { self.cells() } else { 2 }
     }
 
     /// What a channel shows in a row, N or m.
     fn value(&self, row: usize, channel: usize) -> f64 {
-        reading_of(&self.reading[row], self.force(row))[channel]
+        reading_of(&self.readings()[row], self.force(row))[channel]
     }
 
     fn channel(&self, channel: usize, rows: &[usize]) -> Vec<f64> {
@@ -59,7 +59,7 @@ pub(super) fn saturated(
 ) -> Vec<Finding> {
     let mut found = Vec::new();
     let kept = rows.kept(left_out);
-    let of_cells = rows.cells > 0;
+    let of_cells = rows.cells() > 0;
     for channel in 0..rows.channels() {
         let values = rows.channel(channel, &kept);
         let (name, what, scale, unit) = match of_cells {
@@ -172,7 +172,7 @@ fn frozen_runs(rows: &LogRows, kept: &[usize], channel: usize) -> Vec<(Range<usi
     let mut least = (SHOWS * rows.noise.unwrap_or(0.0)).max(UNKNOWN_NOISE_M);
     let (mut axes, mut ends) = (0..2, [0; 2]);
     let mut values: Vec<u64> = kept.iter().map(|&k| rows.key(k, false, true)).collect();
-    if rows.cells == 0 {
+    if rows.cells() == 0 {
         axes = channel..channel + 1;
         let own = rows.channel(channel, kept);
         let (low, high) = range(own.iter().copied());
@@ -213,7 +213,7 @@ pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
     let kept = rows.kept(left_out);
     let mut frozen: [HashSet<usize>; 2] = Default::default();
     let mut runs = Vec::new();
-    let channels = if rows.cells > 0 { 1 } else { 2 };
+    let channels = if rows.cells() > 0 { 1 } else { 2 };
     for (channel, frozen) in frozen.iter_mut().enumerate().take(channels) {
         for (run, moved, value) in frozen_runs(rows, &kept, channel) {
             frozen.extend(&kept[run.clone()]);
@@ -229,7 +229,8 @@ pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
     let rows_frozen = (0..n).filter(|&k| is_frozen(k)).count();
     // Target of the finding, what stays, and the axis that shows it. A stretch of both axes was
     // counted on each.
-    let (target, what, axis, stretches) = match (rows.cells > 0, frozen[0].len(), frozen[1].len()) {
+    let (target, what, axis, stretches) = match (rows.cells() > 0, frozen[0].len(), frozen[1].len())
+    {
         (true, ..) => ("-", "loads of the cells stay", 0, count),
         (_, _, 0) => ("x", "cop_x stays", 0, count),
         (_, 0, _) => ("y", "cop_y stays", 1, count),
@@ -256,14 +257,14 @@ pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
              stale; these rows are left out. Check the sensor's driver and how its topic was recorded.",
             rows.some(rows_frozen),
             100.0 * rows_frozen as f64 / n as f64,
-            rows.number[from],
-            rows.number[to],
+            rows.number(from),
+            rows.number(to),
             1e3 * moved
         );
         (Kind::CopFrozen, target, sentence)
     };
     let title = ["CoP x, mm", "CoP y, mm"][axis];
-    Some(rows.finding(about, title, |k| 1e3 * rows.reading[k][axis], is_frozen))
+    Some(rows.finding(about, title, |k| 1e3 * rows.readings()[k][axis], is_frozen))
 }
 
 pub(super) fn copied(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
@@ -275,12 +276,12 @@ pub(super) fn copied(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
         let own = rows.key(k, true, true);
         if let Some(&pose) = known.get(&own) {
             // Without noise, repeats of one posture agree.
-            if pose != rows.pose[k] || rows.noise.is_some_and(|noise| noise > 0.0) {
+            if pose != rows.block.pose[k] || rows.noise.is_some_and(|noise| noise > 0.0) {
                 copied.insert(k);
                 postures.insert(rows.key(k, true, false));
             }
         } else {
-            known.insert(own, rows.pose[k]);
+            known.insert(own, rows.block.pose[k]);
             held += usize::from(!readings.insert(rows.key(k, false, true)));
         }
     }
@@ -297,7 +298,7 @@ pub(super) fn copied(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
         copied.len(),
         rows.total()
     );
-    let x = |k: usize| 1e3 * rows.reading[k][0];
+    let x = |k: usize| 1e3 * rows.readings()[k][0];
     let about = (Kind::RowsCopied, "-", sentence);
     Some(rows.finding(about, "CoP x, mm", x, |k| copied.contains(&k)))
 }
@@ -334,7 +335,7 @@ fn is_coarse(rows: &LogRows) -> bool {
     (0..rows.channels()).all(|channel| {
         let values = rows.channel(channel, &all);
         let size = match rows.noise {
-            Some(noise) if rows.cells == 0 => 20.0 * FINE * noise,
+            Some(noise) if rows.cells() == 0 => 20.0 * FINE * noise,
             _ => FINE * scatter(&values),
         };
         step(&values).is_some_and(|step| step > size)

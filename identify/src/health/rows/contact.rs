@@ -41,22 +41,22 @@ const DISTANCE: &str = "Distance of the CoP from the origin, mm";
 pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let mut rules = LeftOut::default();
     let load = |k: usize| rows.force(k).iter().sum::<f64>();
-    if rows.cells > 0 {
+    if rows.cells() > 0 {
         let typical = quantile((0..rows.len()).map(load), 0.5)?;
         rules.least_load = Some((LEAST_LOAD * typical).max(LEAST_LOAD_N));
     } else {
         let elsewhere = |k: usize| rows.cad[k][0].hypot(rows.cad[k][1]) > UNKNOWN_NOISE_M;
-        let zero = |k: &usize| rows.reading[*k] == [0.0; 2] && elsewhere(*k);
+        let zero = |k: &usize| rows.readings()[*k] == [0.0; 2] && elsewhere(*k);
         rules.zero = (0..rows.len()).filter(zero).count() >= FEW_ROWS;
     }
-    let gone = |k: usize| !rules.keeps(rows.reading[k], rows.force(k));
+    let gone = |k: usize| !rules.keeps(rows.readings()[k], rows.force(k));
     let lost: Vec<usize> = (0..rows.len()).filter(|&k| gone(k)).collect();
-    let few = if rows.cells > 0 { 1 } else { FEW_ROWS };
+    let few = if rows.cells() > 0 { 1 } else { FEW_ROWS };
     if lost.len() < few || lost.len() as f64 > NEARLY_ALL * rows.len() as f64 {
         return None;
     }
     let stretches = lost.chunk_by(|a, b| *b == a + 1).count();
-    let what = match rows.cells {
+    let what = match rows.cells() {
         0 => "the CoP is exactly zero",
         _ => "next to nothing stands on the cells",
     };
@@ -69,7 +69,7 @@ pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
         if stretches == 1 { "" } else { "es" },
     );
     let about = (Kind::ContactLost, "-", sentence);
-    Some(if rows.cells > 0 {
+    Some(if rows.cells() > 0 {
         rows.finding(about, "Load on all cells, N", load, gone)
     } else {
         rows.finding(about, DISTANCE, |k| 1e3 * rows.distance(k), gone)
@@ -80,8 +80,8 @@ pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
 pub(super) fn unplugged(rows: &LogRows) -> Vec<Finding> {
     let load = |cell: usize| move |k: usize| rows.force(k)[cell];
     let never = |cell: &usize| (1..rows.len()).all(|k| load(*cell)(k) == load(*cell)(0));
-    let dead: Vec<usize> = (0..rows.cells).filter(never).collect();
-    if rows.len() < FEW_ROWS || dead.len() == rows.cells {
+    let dead: Vec<usize> = (0..rows.cells()).filter(never).collect();
+    if rows.len() < FEW_ROWS || dead.len() == rows.cells() {
         return Vec::new();
     }
     let of = |cell: usize| {
@@ -101,7 +101,7 @@ pub(super) fn unplugged(rows: &LogRows) -> Vec<Finding> {
 pub(super) fn outside(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<Finding> {
     let mut all = [&rows.cad[..], &rows.places].concat();
     let at_part = |part: f64| {
-        [0, 1].map(|k| quantile(rows.reading.iter().map(|y| y[k]), part).unwrap_or(0.0))
+        [0, 1].map(|k| quantile(rows.readings().iter().map(|y| y[k]), part).unwrap_or(0.0))
     };
     let middle = at_part(0.5);
     let total = rows.len() as f64;
@@ -123,7 +123,7 @@ pub(super) fn outside(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<
         // Wrong signs and loads spread readings wider than CAD: most of them are no fault.
         all.extend([MANY_ROWS, 1.0 - MANY_ROWS].map(at_part));
         let ends = within(&all, rows.sole)?;
-        let beyond = |k: usize| is_beyond(&ends, rows.reading[k]);
+        let beyond = |k: usize| is_beyond(&ends, rows.readings()[k]);
         let count = (0..rows.len()).filter(|k| beyond(*k)).count();
         if count > 0 && count as f64 <= MANY_ROWS * total {
             if is_wired_otherwise(rows, on, beyond) {
@@ -147,16 +147,16 @@ pub(super) fn outside(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<
         let beyond = all.iter().filter(|y| is_beyond(&ends, **y));
         beyond.count() as f64 / total
     };
-    if part(&rows.reading) <= 0.5 || part(&rows.cad) > MANY_ROWS {
+    if part(rows.readings()) <= 0.5 || part(&rows.cad) > MANY_ROWS {
         return None;
     }
     let sentence = format!(
         "{:.0} % of the readings lie beyond the sole, which no ground can push there, and CAD has \
          the robot balanced on it: the CoP is in another unit, of another frame, or of a force and \
          moments in different units.",
-        100.0 * part(&rows.reading)
+        100.0 * part(rows.readings())
     );
-    elsewhere(&|k| is_beyond(&ends, rows.reading[k]), sentence)
+    elsewhere(&|k| is_beyond(&ends, rows.readings()[k]), sentence)
 }
 
 /// Whether a wiring brings CAD's CoP near the readings of some of the rows.
@@ -207,7 +207,7 @@ fn within(places: &[[f64; 2]], sole: Option<Corners>) -> Option<Vec<End>> {
 fn in_another_unit(rows: &LogRows) -> bool {
     let scatter = |all: &[[f64; 2]]| [0, 1].map(|k| scatter(&column(all.as_flattened(), 2, k)));
     let [x, y] = scatter(&rows.cad);
-    let read = scatter(&rows.reading);
+    let read = scatter(rows.readings());
     read.iter().any(|own| *own > TENFOLD * x.max(y))
 }
 
@@ -240,11 +240,13 @@ pub(super) fn corners(robot: &Robot, model: &Model) -> Option<Corners> {
 
 /// A typical total force that is not the weight by CAD.
 pub(super) fn unlike_weight(rows: &LogRows, model: &Model, left_out: &LeftOut) -> Option<Finding> {
-    if rows.load.len() != rows.len() || rows.both_feet == Some(true) && rows.cells > 0 {
+    if rows.both_feet == Some(true) && rows.cells() > 0 {
         return None;
     }
     let kept = rows.kept(left_out);
-    let typical = quantile(kept.iter().map(|&k| rows.load[k]), 0.5)?;
+    let load = |k: usize| rows.load(k).unwrap_or(f64::NAN);
+    rows.load(0)?;
+    let typical = quantile(kept.iter().map(|&k| load(k)), 0.5)?;
     let weight = model.tree.mass * GRAVITY;
     let ratio = typical / weight;
     if ratio <= 0.0 || (1.0 / FORCE_UNLIKE..FORCE_UNLIKE).contains(&ratio) {
@@ -267,7 +269,7 @@ pub(super) fn unlike_weight(rows: &LogRows, model: &Model, left_out: &LeftOut) -
         Some((_, why)) => format!("as if {why}"),
         None => "as of another robot, a sensor with a wrong scale, or counts of a converter".into(),
     };
-    let unit = match rows.cells {
+    let unit = match rows.cells() {
         0 => {
             "a CoP of this force and of moments in N m is wrong by the same factor: correct the \
               force"
@@ -279,7 +281,7 @@ pub(super) fn unlike_weight(rows: &LogRows, model: &Model, left_out: &LeftOut) -
          {unit}."
     );
     let about = (Kind::ForceUnlikeWeight, "-", sentence);
-    Some(rows.finding(about, "Total force, N", |k| rows.load[k], |_| true))
+    Some(rows.finding(about, "Total force, N", load, |_| true))
 }
 
 /// The other sole on the floor in nearly all rows, while joints between both soles move and nobody
@@ -297,7 +299,7 @@ pub(super) fn both_flat(rows: &LogRows, model: &Model) -> Option<Finding> {
     let tape = Tape::new(&other_sole_by_joints(model, other.place()));
     let width = tape.outputs();
     let mut out = vec![0.0; n * width];
-    tape.run(&[Values::PerPosture(&rows.q)], n, &mut out, FASTEST);
+    tape.run(&[Values::PerPosture(&rows.block.q)], n, &mut out, FASTEST);
     // Height, roll and pitch, each with its slopes by all joints.
     let at = |k: usize, row: usize| out[k * width + row * (1 + dof)];
     let limits = [FLAT.0, FLAT.1, FLAT.1];
@@ -308,7 +310,7 @@ pub(super) fn both_flat(rows: &LogRows, model: &Model) -> Option<Finding> {
     }
     let between = |j: &usize| (0..3).any(|row| out[row * (1 + dof) + 1 + j].abs() > 1e-6);
     let swings = |j: usize| {
-        let (low, high) = range(rows.q.iter().skip(j).step_by(dof).copied());
+        let (low, high) = range(rows.block.q.iter().skip(j).step_by(dof).copied());
         high - low > FLAT.1
     };
     if !(0..dof).filter(between).any(swings) {

@@ -60,32 +60,19 @@ const PIECE: usize = 1024;
 /// Rows of a log on one support.
 #[derive(Default)]
 pub(super) struct LogRows {
-    pub q: Vec<f64>,
+    /// Empty of a log without readings.
+    pub block: Block,
     pub dof: usize,
-    pub reading: Vec<[f64; 2]>,
-    /// Numbers of the rows from 1: those on this support, or in the log where not all are here.
-    pub number: Vec<usize>,
-    first_line: Option<u64>,
     /// Whether the log has more rows than are here.
     pub is_part: bool,
-    /// Row by row, N; none where the log has a CoP.
-    pub force: Vec<f64>,
-    pub cells: usize,
-    /// Total force on the support, N; empty of logs that do not have it.
-    pub load: Vec<f64>,
     /// What is said of the feet, by the caller or the sidecar.
     pub both_feet: Option<bool>,
     /// Places of the cells, m.
     pub places: Vec<[f64; 2]>,
-    pub pose: Vec<i64>,
-    /// s; empty of logs without.
-    pub t: Vec<f64>,
     /// Noise of a row, m, where it is known, and where it is known from: RMS where rows have
     /// their own.
     pub noise: Option<f64>,
     noise_source: Option<NoiseSource>,
-    /// What rows state of it themselves, m; empty where they do not, or the user says it.
-    std: Vec<[f64; 2]>,
     /// CoP by CAD, m.
     pub cad: Vec<[f64; 2]>,
     /// Corners of the sole, m, where the URDF has its shape.
@@ -94,7 +81,44 @@ pub(super) struct LogRows {
 
 impl LogRows {
     pub fn len(&self) -> usize {
-        self.reading.len()
+        self.block.len()
+    }
+
+    pub fn readings(&self) -> &[[f64; 2]] {
+        self.block.reading.as_deref().unwrap_or_default()
+    }
+
+    /// s; empty of logs without.
+    pub fn times(&self) -> &[f64] {
+        self.block.t.as_deref().unwrap_or_default()
+    }
+
+    pub fn q(&self, row: usize) -> &[f64] {
+        self.block.joints(row)
+    }
+
+    /// Forces of the cells of a row, N; none where the log has a CoP.
+    pub fn force(&self, row: usize) -> &[f64] {
+        self.block.forces(row)
+    }
+
+    /// Cells of a row.
+    pub fn cells(&self) -> usize {
+        self.block.cells.as_ref().map_or(0, |cells| cells.count)
+    }
+
+    /// Total force on the support, N; none of logs that do not have it.
+    pub fn load(&self, row: usize) -> Option<f64> {
+        match &self.block.load {
+            Some(load) => Some(load[row].abs()),
+            None => (self.cells() > 0).then(|| self.force(row).iter().sum()),
+        }
+    }
+
+    /// Number of a row from 1: among those on this support, or in the log where not all are here.
+    pub fn number(&self, row: usize) -> usize {
+        let before = self.block.line[row].saturating_sub(self.block.line[0]);
+        1 + if self.is_part { before as usize } else { row }
     }
 
     /// Some of the rows, in words that say what they are part of where that is not the log.
@@ -115,16 +139,11 @@ impl LogRows {
         format!("{} rows{looked_at}", self.len())
     }
 
-    pub fn q(&self, row: usize) -> &[f64] {
-        &self.q[row * self.dof..(row + 1) * self.dof]
-    }
-
     /// A row as figures show it.
     pub fn row(&self, row: usize) -> Row {
         Row {
-            number: self.number[row],
-            pose: self.pose[row],
-            q: self.q(row).to_vec(),
+            number: self.number(row),
+            ..Row::among(&self.block.pose, &self.block.q, row)
         }
     }
 
@@ -144,7 +163,7 @@ impl LogRows {
     /// Some of the rows as postures, with the readings that are given.
     fn view<'a>(&self, on: On<'a>, read: &[(usize, [f64; 2])]) -> View<'a> {
         let q: Vec<f64> = read.iter().flat_map(|(k, _)| self.q(*k)).copied().collect();
-        let pose: Vec<i64> = read.iter().map(|(k, _)| self.pose[*k]).collect();
+        let pose: Vec<i64> = read.iter().map(|(k, _)| self.block.pose[*k]).collect();
         let cop: Vec<f64> = read.iter().flat_map(|(_, y)| *y).collect();
         let data = Postures::of_rows(self.dof, (&pose, &q, &cop), self.noise, 0.0);
         View::new(on, &data)
@@ -152,22 +171,18 @@ impl LogRows {
 
     /// Some of the rows with their readings as they are.
     pub fn as_read(&self, rows: &[usize]) -> Vec<(usize, [f64; 2])> {
-        rows.iter().map(|&k| (k, self.reading[k])).collect()
-    }
-
-    /// Forces of the cells of a row, N; none where the log has a CoP.
-    pub fn force(&self, row: usize) -> &[f64] {
-        &self.force[row * self.cells..(row + 1) * self.cells]
+        rows.iter().map(|&k| (k, self.readings()[k])).collect()
     }
 
     /// Distance of the reading from the origin, m.
     fn distance(&self, row: usize) -> f64 {
-        self.reading[row][0].hypot(self.reading[row][1])
+        let [x, y] = self.readings()[row];
+        x.hypot(y)
     }
 
     /// Rows that stay by these rules, stopped encoders and copies aside.
     pub fn kept(&self, rules: &LeftOut) -> Vec<usize> {
-        let stays = |&k: &usize| rules.keeps(self.reading[k], self.force(k));
+        let stays = |&k: &usize| rules.keeps(self.readings()[k], self.force(k));
         (0..self.len()).filter(stays).collect()
     }
 
@@ -185,12 +200,12 @@ impl LogRows {
         if let Some(noise) = noise {
             rows.noise = Some(noise * (1.0 - averaged).sqrt());
             rows.noise_source = Some(NoiseSource::Given);
-            rows.std = Vec::new();
+            rows.block.std = None;
         }
         channels::check_distinct(&rows, samples.log.name())?;
         rows.sole = contact::corners(robot, model);
         let cop = Evaluator::new(model, Function::Cop).fastest();
-        rows.cad = cop.run(&rows.q, rows.len()).as_chunks().0.to_vec();
+        rows.cad = cop.run(&rows.block.q, rows.len()).as_chunks().0.to_vec();
         Ok(rows)
     }
 
@@ -216,42 +231,18 @@ impl LogRows {
                 let here: Vec<bool> = all.iter().map(here).collect();
                 block.retain(&here);
             }
-            rows.take(block);
+            if block.reading.is_some() {
+                rows.block.append(block);
+            }
             let (done, total) = reader.progress();
             tell(watch, "looking", done, total)?;
         }
-        if !rows.std.is_empty() {
-            rows.noise = Some(rms(rows.std.iter().flatten().copied()));
+        if let Some(std) = &rows.block.std {
+            rows.noise = Some(rms(std.iter().flatten().copied()));
             rows.noise_source = Some(NoiseSource::Stated);
         }
         rows.is_part = sample.is_part;
-        if !rows.is_part {
-            rows.number = (1..=rows.len()).collect();
-        }
         Ok((rows, reader.averaged()))
-    }
-
-    fn take(&mut self, block: Block) {
-        let first = block.line.first().copied().unwrap_or(0);
-        let first = *self.first_line.get_or_insert(first);
-        let number = |line: &u64| usize::try_from(line.saturating_sub(first)).unwrap_or(0) + 1;
-        self.number.extend(block.line.iter().map(number));
-        self.q.extend(block.q);
-        self.pose.extend(block.pose);
-        self.t.extend(block.t.unwrap_or_default());
-        self.reading.extend(block.reading.unwrap_or_default());
-        self.std.extend(block.std.unwrap_or_default());
-        let loads = block.load.iter().flatten().map(|load| load.abs());
-        self.load.extend(loads);
-        if let Some(cells) = block.cells {
-            if block.load.is_none() {
-                let loads = cells.force.chunks_exact(cells.count.max(1));
-                self.load
-                    .extend(loads.map(|forces| forces.iter().sum::<f64>()));
-            }
-            self.cells = cells.count;
-            self.force.extend(cells.force);
-        }
     }
 
     /// What free masses, and what CAD's CoM does to the CoP where it is accelerated, leave of
@@ -261,7 +252,7 @@ impl LogRows {
         let q: Vec<f64> = rows.iter().flat_map(|&k| self.q(k)).copied().collect();
         let of_masses = CopRows::new(model).fastest().of(&q, rows.len(), None);
         // CAD's CoP bends as its acceleration does, over 0.15 s either way.
-        let step = correlation::step(&self.t).filter(|_| self.t.len() == self.len());
+        let step = correlation::step(self.times());
         let reach = step.map_or(self.len(), |step| (0.15 / step).round().max(1.0) as usize);
         let bend = |row: usize| {
             let at = |row: usize| self.cad[row][channel];
@@ -273,7 +264,7 @@ impl LogRows {
             true => of_masses[(2 * k + channel, column)],
             false => bend(rows[k]).unwrap_or(0.0),
         });
-        let y = DVector::from_fn(rows.len(), |k, _| self.reading[rows[k]][channel]);
+        let y = DVector::from_fn(rows.len(), |k, _| self.readings()[rows[k]][channel]);
         let (square, df) = correlation::left(&x, &y);
         (df >= FEW_ROWS as f64).then(|| square.sqrt())
     }
@@ -282,7 +273,7 @@ impl LogRows {
     /// readings where they are far from CAD.
     pub fn views<'a>(&self, chosen: &[usize], on: On<'a>) -> Vec<View<'a>> {
         let mut views = vec![self.view(on, &self.as_read(chosen))];
-        let gap = |&k: &usize| [0, 1].map(|axis| self.reading[k][axis] - self.cad[k][axis]);
+        let gap = |&k: &usize| [0, 1].map(|axis| self.readings()[k][axis] - self.cad[k][axis]);
         let least = self.noise.map_or(UNKNOWN_NOISE_M, |noise| SHOWS * noise);
         if rms(chosen.iter().flat_map(gap)) >= least {
             let still = self.still(chosen, on.model);
@@ -295,18 +286,16 @@ impl LogRows {
     /// stands, y − (ZMP − CoP) by CAD; none where it does stand, or the log is not dense enough
     /// in time.
     fn still(&self, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
-        if self.t.is_empty() || self.t.len() != self.len() {
-            return None;
-        }
-        let plan = Plan::of(&self.t, &self.q, self.dof)?;
-        let motion = plan.motion((&self.t, &self.q, self.dof), 0..self.len(), Wanted::Alone)?;
+        let (t, q) = (self.block.t.as_ref()?, &self.block.q);
+        let plan = Plan::of(t, q, self.dof)?;
+        let motion = plan.motion((t, q, self.dof), 0..self.len(), Wanted::Alone)?;
         let known = chosen.iter().copied().filter(|&k| motion.known[k]);
         let known: Vec<usize> = known.collect();
         let of = |all: &[f64]| -> Vec<f64> {
             let row = |&k: &usize| all[k * self.dof..(k + 1) * self.dof].iter().copied();
             known.iter().flat_map(row).collect()
         };
-        let [q, rates, gains] = [&self.q, &motion.rates, &motion.gains].map(|all| of(all));
+        let [q, rates, gains] = [q, &motion.rates, &motion.gains].map(|all| of(all));
         let level = vec![[0.0; 2]; known.len()];
         let cad = model.cad_params();
         let shifts = Zmp::new(model).shifts(&cad, &q, (&rates, &gains), &level);
@@ -337,11 +326,11 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
     });
     let samples = Samples::of_joints(log, joints.collect(), &options, ROOM, watch)?;
     let (rows, _) = LogRows::gather(&samples, None, watch)?;
-    if rows.len() < FEW_ROWS || rows.reading.is_empty() {
+    if rows.len() < FEW_ROWS {
         return Ok(Vec::new());
     }
     let mut left_out = LeftOut::default();
-    let lost = (rows.cells > 0).then(|| contact::lost(&rows, &mut left_out));
+    let lost = (rows.cells() > 0).then(|| contact::lost(&rows, &mut left_out));
     let mut findings: Vec<Finding> = lost.flatten().into_iter().collect();
     findings.extend(contact::unplugged(&rows));
     findings.extend(channels::saturated(&rows, None, &mut left_out));

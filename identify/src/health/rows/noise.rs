@@ -37,15 +37,15 @@ fn told(rows: &LogRows, mut all: Vec<(usize, [f64; 2])>) -> Option<Finding> {
     let count = all.len();
     let noise = rows.noise?;
     let axes = [0, 1].map(|axis| {
-        let sigma = |k: usize| rows.std.get(k).map_or(noise, |std| std[axis]);
+        let sigma = |k: usize| rows.block.std.as_ref().map_or(noise, |std| std[k][axis]);
         let over = all.iter().map(|(k, gap)| gap[axis] / sigma(*k));
         DVector::from_iterator(count, over)
     });
     let square = axes.iter().map(|e| e.norm_squared()).sum::<f64>() / (2 * count) as f64;
     let finding = overstated(noise, rows.noise_source?, noise * square.sqrt())?;
     // Without times of all rows nothing tells which follow each other.
-    let timed = rows.t.len() == rows.len();
-    let t = timed.then(|| all.iter().map(|(k, _)| rows.t[*k]).collect::<Vec<f64>>());
+    let t = rows.block.t.as_ref();
+    let t = t.map(|t| all.iter().map(|(k, _)| t[*k]).collect::<Vec<f64>>());
     let nothing_fitted = DMatrix::zeros(count, 0);
     let samples = axes.iter().map(|gaps| {
         let known = t

@@ -131,13 +131,8 @@ impl Screen for LeftOut {
             let Some(reading) = &block.reading else {
                 return;
             };
-            let dof = block.q.len() / block.len().max(1);
             let mut keep = |row: usize| {
-                let q = &block.q[row * dof..(row + 1) * dof];
-                let force = match &block.cells {
-                    Some(cells) => &cells.force[row * cells.count..(row + 1) * cells.count],
-                    None => &[],
-                };
+                let (q, force) = (block.joints(row), block.forces(row));
                 rules.keeps(reading[row], force)
                     && rules.follows(q)
                     && (!rules.copies || known.insert(key(q, reading_of(&reading[row], force))))

@@ -19,15 +19,13 @@ use crate::observations::noise::quantile;
 
 /// The joint that leaps most often.
 pub(super) fn leaps(rows: &LogRows, dofs: &[Dof]) -> Option<Finding> {
-    if rows.t.len() != rows.len() {
-        return None;
-    }
+    let t = rows.block.t.as_ref()?;
     // How far a joint moves from the row before, and in what time, s.
     let steps = |joint: usize| {
         let step = move |k: usize| match k.checked_sub(1) {
-            Some(before) if rows.number[k] == rows.number[before] + 1 => (
+            Some(before) if rows.number(k) == rows.number(before) + 1 => (
                 (rows.q(k)[joint] - rows.q(before)[joint]).abs(),
-                rows.t[k] - rows.t[before],
+                t[k] - t[before],
             ),
             _ => (0.0, 0.0),
         };
@@ -66,7 +64,7 @@ pub(super) fn leaps(rows: &LogRows, dofs: &[Dof]) -> Option<Finding> {
          senders on one topic, a glitch of the bus, angles that wrap, or stamps of other rows; \
          leave these rows out, or mend `t`.",
         1e3 * time,
-        rows.number[first],
+        rows.number(first),
         found.len()
     );
     let speed = |k: usize| steps[k].0 / steps[k].1.max(1e-9);
@@ -81,8 +79,8 @@ fn limit(dof: &Dof) -> Option<f64> {
 }
 
 pub(super) fn stamps_of_other_rows(rows: &LogRows) -> Option<Finding> {
-    let (n, t) = (rows.len(), &rows.t);
-    if t.len() != n || n < ENOUGH {
+    let (n, t) = (rows.len(), rows.block.t.as_ref()?);
+    if n < ENOUGH {
         return None;
     }
     let back = |k: usize| k > 0 && t[k] < t[k - 1];
