@@ -54,8 +54,8 @@ pub struct Posture<T> {
     pub own: T,
     /// Times that rows came back to it, the first included.
     pub visits: u32,
-    /// Number of its last row.
-    last_row: u64,
+    /// Number of its last row, less whole turns of its counter.
+    last_row: u32,
     /// Its rows, and the number of their support.
     rows: u32,
     support: u32,
@@ -78,8 +78,6 @@ pub struct Grouping<T> {
     most: usize,
     /// Joint positions may be degrees that are taken for radians.
     any_unit: bool,
-    /// Numbers of postures.
-    known: HashMap<Name, u32>,
     /// The largest `pose` among them: beyond it no posture is known, and none is looked for.
     largest: i64,
     pieces: Vec<Piece<T>>,
@@ -87,11 +85,12 @@ pub struct Grouping<T> {
     mean: Vec<f32>,
     /// The last posture for which there was no room: its number is one beyond the others'.
     last: Option<Name>,
-    supports: Vec<String>,
+    /// Links on the ground, each with the numbers of its postures by their `pose`.
+    supports: Vec<(String, HashMap<i64, u32>)>,
     /// Rows whose robot had moved although their `pose` was known.
     moved: u64,
-    /// Rows so far.
-    rows: u64,
+    /// Rows so far, as [`Posture::last_row`].
+    rows: u32,
 }
 
 /// Some postures, in the order of their first rows.
@@ -123,7 +122,6 @@ impl<T: Default> Grouping<T> {
         Grouping {
             most,
             any_unit: false,
-            known: HashMap::new(),
             largest: i64::MIN,
             pieces: Vec::new(),
             mean: Vec::new(),
@@ -172,13 +170,13 @@ impl<T: Default> Grouping<T> {
         gravity: [f64; 3],
     ) -> (&mut Posture<T>, Visit) {
         let name = (pose, self.number(support));
-        self.rows += 1;
+        self.rows = self.rows.wrapping_add(1);
         let row = self.rows;
         let down = direction(gravity);
         let values = || q.iter().chain(&down).map(|&x| x as f32);
         let width = q.len() + down.len();
         let most = self.most;
-        let known = (pose <= self.largest).then(|| self.known.get(&name));
+        let known = (pose <= self.largest).then(|| self.supports[name.1 as usize].1.get(&pose));
         let known = known.flatten().map(|number| *number as usize);
         let number = known.or_else(|| self.last.filter(|last| *last == name).map(|_| most));
         let mut new = Posture {
@@ -195,9 +193,13 @@ impl<T: Default> Grouping<T> {
             let first = &self.pieces[at].at[k * width..(k + 1) * width];
             let degrees = self.any_unit && first.iter().any(|a| a.abs() > TAU);
             let jitter = if degrees { JITTER.to_degrees() } else { JITTER };
-            if !first.iter().zip(values()).any(|(a, b)| (a - b).abs() > jitter) {
+            if !first
+                .iter()
+                .zip(values())
+                .any(|(a, b)| (a - b).abs() > jitter)
+            {
                 let posture = &mut self.pieces[at].postures[k];
-                posture.visits += u32::from(posture.last_row + 1 < row);
+                posture.visits += u32::from(posture.last_row.wrapping_add(1) != row);
                 posture.last_row = row;
                 posture.rows = posture.rows.saturating_add(1);
                 let rows = posture.rows as f32;
@@ -219,7 +221,7 @@ impl<T: Default> Grouping<T> {
         }
         let number = self.len().min(most);
         if number < most {
-            self.known.insert(name, number as u32);
+            self.supports[name.1 as usize].1.insert(pose, number as u32);
             self.largest = self.largest.max(pose);
         } else {
             self.last = Some(name);
@@ -245,9 +247,9 @@ impl<T: Default> Grouping<T> {
 
     /// Supports are few, rows are many.
     fn number(&mut self, support: &str) -> u32 {
-        let known = self.supports.iter().position(|other| other == support);
+        let known = self.supports.iter().position(|(other, _)| other == support);
         let at = known.unwrap_or_else(|| {
-            self.supports.push(support.to_string());
+            self.supports.push((support.to_string(), HashMap::new()));
             self.supports.len() - 1
         });
         at as u32
@@ -258,7 +260,9 @@ impl<T> Grouping<T> {
     /// Postures that are known, and the last one for which there was no room.
     fn len(&self) -> usize {
         let last = self.pieces.last();
-        last.map_or(0, |last| (self.pieces.len() - 1) * PIECE + last.postures.len())
+        last.map_or(0, |last| {
+            (self.pieces.len() - 1) * PIECE + last.postures.len()
+        })
     }
 
     /// A posture by the order of first rows.
@@ -283,7 +287,7 @@ impl<T> Grouping<T> {
             let mean: Vec<f64> = mean.iter().map(|x| f64::from(*x)).collect();
             let (q, [x, y]) = mean.split_last_chunk().expect("gravity is there");
             Stance {
-                support: &self.supports[posture.support as usize],
+                support: &self.supports[posture.support as usize].0,
                 q: q.to_vec(),
                 gravity: [*x, *y, -(1.0 - x * x - y * y).max(0.0).sqrt()],
             }

@@ -1,7 +1,7 @@
 //! Rows on their way into folds, on threads of their own while the next rows are read.
 //!
 //! ```text
-//! rows of a block ─▶ at most two wait ─▶ thread 1: folds 0, 2, 4, …
+//! rows of a block ─▶ at most one waits ─▶ thread 1: folds 0, 2, 4, …
 //!                                      ─▶ thread 2: folds 1, 3, 5, …
 //! ```
 //!
@@ -21,7 +21,7 @@ use crate::observations::row_matrix::RowMatrix;
 use crate::threads::processors;
 
 /// Blocks that wait for a thread, at most.
-const WAITING: usize = 2;
+const WAITING: usize = 1;
 /// Threads, at most: reading takes as long as folding by so many.
 const MOST: usize = 4;
 
