@@ -22,12 +22,12 @@ use crate::Error;
 use crate::evaluate::{FASTEST, MotionPredictor, ReadingPredictor};
 use crate::feet::{Closure, Feet, OtherFoot};
 use crate::logs::{
-    Angles, Block, LogSource, Options, PostureReader, Readings, Sidecar, Stays, joints,
+    Angles, BLOCK, Block, LogSource, Options, PostureReader, Readings, Sidecar, Stays, joints,
 };
 use crate::observations::motion::{Motion, Wanted};
 use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
-use crate::observations::postures::{BLOCK, HEAD};
+use crate::observations::postures::HEAD;
 use crate::observations::rows;
 use crate::observations::zmp::Zmp;
 use crate::robot::Stance;
@@ -359,9 +359,6 @@ impl Evaluators {
     }
 }
 
-/// Postures that are looked at: from twice as many on, every other one of them is let go.
-const POSTURES: usize = 2000;
-
 /// Postures of a log on one support, evenly chosen.
 struct Soles {
     other: OtherFoot,
@@ -388,7 +385,9 @@ impl Soles {
                 self.q.extend(posture);
             }
             self.rows += 1;
-            if self.q.len() >= 2 * POSTURES * dof {
+            // Postures that are looked at: from twice as many on, every other one of them is let
+            // go.
+            if self.q.len() >= 2 * 2000 * dof {
                 let all = std::mem::take(&mut self.q);
                 let kept = all.chunks_exact(dof).step_by(2);
                 self.q = kept.flatten().copied().collect();

@@ -34,9 +34,8 @@ use sesc_model::tree::Dof;
 use sesc_model::{EffectRecord, Model, ModelFile, Quantity};
 
 use crate::evaluate::{MotionPredictor, ReadingPredictor};
-use crate::logs::{LogSource, PostureWriter, Row, Sidecar, Table, Written};
+use crate::logs::{BLOCK, LogSource, PostureWriter, Row, Sidecar, Table, Written};
 use crate::observations::motion_use::MotionModel;
-use crate::observations::postures::BLOCK;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
 

@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::identification::Identification;
 use super::logs::Logs;
-use super::timing::BLOCK;
 use crate::Error;
+use crate::logs::BLOCK;
 use crate::watch::{Watch, tell};
 
 /// Rows kept.

@@ -2,7 +2,7 @@
 //! on which axis it is larger; and whether readings show the motion of the joints.
 //!
 //! Rows are made independent as they are read, so this has to be known before: a fit of
-//! free masses to the first `ROWS` rows tells, at the cost of reading those twice.
+//! free masses to the first rows tells, at the cost of reading those twice.
 
 use super::criteria::{HELD_OUT_TIMES, MOST_APART, ROWS_OF_STAY, TO_KNOW_NOISE};
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF as _, FisherSnedecor};
 
 use crate::Error;
-use crate::logs::{Block, PostureReader};
+use crate::logs::{BLOCK, Block, PostureReader};
 use crate::observations::correlation::{self, Correlation};
 use crate::observations::criteria::correlation::SHORT;
 use crate::observations::criteria::repeats::UNLIKELY;
@@ -20,17 +20,10 @@ use crate::observations::grouping::{DOWN, Grouping};
 use crate::observations::motion::{Plan, Wanted};
 use crate::observations::motion_use::{Column, MotionModel, MotionUse};
 use crate::observations::noise::LEAST_STD;
-use crate::observations::postures::rms;
+use crate::observations::postures::{HEAD, rms};
 use crate::observations::repeats::{Group, Repeats};
 use crate::observations::row_matrix::RowMatrix;
 use crate::observations::rows::{Measurement, Rows};
-
-/// Rows taken at once.
-pub(super) const BLOCK: usize = 4096;
-/// Rows that are looked at.
-const ROWS: usize = 20_000;
-/// Rows that the share of motion is taken from, at most.
-const OF_SHARE: usize = 4000;
 
 /// The noise of a log in time, and its motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,7 +81,7 @@ impl Timing {
         (masses, usual): (&DMatrix<f64>, &DMatrix<f64>),
     ) -> Result<Timing, Error> {
         let (mut first, mut ended) = (Block::default(), false);
-        while first.len() < ROWS && !ended {
+        while first.len() < HEAD && !ended {
             let block = log.block(BLOCK)?;
             ended = block.is_empty() || block.reading.is_none();
             if !ended {
@@ -189,7 +182,8 @@ impl Head {
     /// What motion adds to some of the rows, over their deviations, and of how many rows each
     /// is one; readings less those of `cad`.
     fn column(&self, cad: &DVector<f64>) -> (Column, f64) {
-        let stride = self.rows.div_ceil(OF_SHARE).max(1);
+        // Rows that the share of motion is taken from, at most.
+        let stride = self.rows.div_ceil(4000).max(1);
         let axes = [self.axis(0), self.axis(1)];
         let of = |row: usize| (row / 2 * stride, row % 2);
         let n = 2 * self.rows.div_ceil(stride);

@@ -101,9 +101,6 @@ const fn column(
     }
 }
 
-/// More columns than any robot has joints and readings.
-const MOST: usize = 20_000;
-
 /// Where the wanted columns are: `numbers` lists columns of numbers in the
 /// order a source delivers them, the ranges are positions in that list.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -142,9 +139,10 @@ impl Columns {
     ) -> Result<Columns, Message> {
         let (header, factors, note) = named(header, dofs);
         check_joints(dofs)?;
-        if header.len() > MOST {
+        // More than any robot has joints and readings.
+        if header.len() > 20_000 {
             return Err(format!(
-                "{} columns; a log has one per joint and reading, {MOST} at most",
+                "{} columns; a log has one per joint and reading, 20000 at most",
                 header.len()
             )
             .into());

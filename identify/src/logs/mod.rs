@@ -47,8 +47,8 @@ pub(crate) use bounds::LEAST_LOAD_N;
 pub use columns::{COLUMNS, Column, Need, Row, Written};
 pub(crate) use csv::delimiter;
 pub use input::LogSource;
+pub(crate) use reader::{BLOCK, Screening, joints};
 pub use reader::{PostureReader, Summary, column_names};
-pub(crate) use reader::{Screening, joints};
 pub(crate) use samples::{ROOM, Samples, Screen};
 #[doc(hidden)]
 pub use settings::KEYS as SIDECAR_KEYS;

@@ -29,8 +29,8 @@ use super::suspect::Suspicions;
 use super::table::TableSource;
 use crate::{Error, Message};
 
-/// Rows taken from the file at once, and looked at before the first is given out.
-const CHUNK: usize = 4096;
+/// Rows of a log that are taken at once, and of a file looked at before the first is given out.
+pub(crate) const BLOCK: usize = 4096;
 
 /// What was read, for the record.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -191,7 +191,7 @@ impl PostureReader {
             assembler,
             raw: Raw::default(),
             given: 0,
-            chunk: CHUNK,
+            chunk: BLOCK,
             started: false,
             ended: false,
             concluded: false,

@@ -14,7 +14,7 @@ use sesc_model::urdf::Description;
 use super::block::Block;
 use super::bounds::LEAST_LOAD_N;
 use super::input::LogSource;
-use super::reader::{Kept, PostureReader, Screening, joints};
+use super::reader::{BLOCK, Kept, PostureReader, Screening, joints};
 use super::settings::{Options, Sidecar};
 use crate::Error;
 use crate::watch::{Watch, tell};
@@ -23,8 +23,6 @@ use crate::watch::{Watch, tell};
 pub(crate) const ROOM: usize = 1 << 21;
 /// Numbers of a row beside its joints: readings, deviations, time, posture and their like.
 const BESIDE: usize = 8;
-/// Rows taken at once.
-const BLOCK: usize = 4096;
 
 /// Leaves rows out of a log, or says less of them, whenever it is read.
 pub trait Screen: Send + Sync {

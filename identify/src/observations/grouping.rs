@@ -25,12 +25,10 @@ use super::criteria::repeats::{APART, FEWEST, REACHED};
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 
+use crate::logs::BLOCK;
+
 /// Postures known at a time: some 45 MB for 20 joints.
 pub const MOST: usize = 200_000;
-
-/// Postures that lie in one piece of memory: a longer list would be copied where it grows, and
-/// leave holes of its size.
-const PIECE: usize = 4096;
 
 /// Repeated readings are of one posture up to this, rad or m: servos jitter.
 const JITTER: f32 = 0.02;
@@ -93,7 +91,8 @@ pub struct Grouping<T> {
     rows: u32,
 }
 
-/// Some postures, in the order of their first rows.
+/// Some postures, in the order of their first rows, as many as rows of a block: one long list would
+/// be copied where it grows, and leave holes of its size.
 #[derive(Debug, Clone, PartialEq)]
 struct Piece<T> {
     postures: Vec<Posture<T>>,
@@ -189,7 +188,7 @@ impl<T: Default> Grouping<T> {
         };
         let mut visit = Visit::Same;
         if let Some(number) = number {
-            let (at, k) = (number / PIECE, number % PIECE);
+            let (at, k) = (number / BLOCK, number % BLOCK);
             let first = &self.pieces[at].at[k * width..(k + 1) * width];
             let degrees = self.any_unit && first.iter().any(|a| a.abs() > TAU);
             let jitter = if degrees { JITTER.to_degrees() } else { JITTER };
@@ -229,14 +228,14 @@ impl<T: Default> Grouping<T> {
         if number < LOOKED.min(most) {
             self.mean.extend(values());
         }
-        let k = number % PIECE;
-        if number / PIECE == self.pieces.len() {
+        let k = number % BLOCK;
+        if number / BLOCK == self.pieces.len() {
             self.pieces.push(Piece {
                 postures: Vec::new(),
                 at: Vec::new(),
             });
         }
-        let piece = &mut self.pieces[number / PIECE];
+        let piece = &mut self.pieces[number / BLOCK];
         // The last posture for which there was no room gives way to this one.
         piece.postures.truncate(k);
         piece.at.truncate(k * width);
@@ -261,13 +260,13 @@ impl<T> Grouping<T> {
     fn len(&self) -> usize {
         let last = self.pieces.last();
         last.map_or(0, |last| {
-            (self.pieces.len() - 1) * PIECE + last.postures.len()
+            (self.pieces.len() - 1) * BLOCK + last.postures.len()
         })
     }
 
     /// A posture by the order of first rows.
     pub fn posture(&self, k: usize) -> &Posture<T> {
-        &self.pieces[k / PIECE].postures[k % PIECE]
+        &self.pieces[k / BLOCK].postures[k % BLOCK]
     }
 
     fn postures(&self) -> impl Iterator<Item = &Posture<T>> {

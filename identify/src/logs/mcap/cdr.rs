@@ -8,8 +8,6 @@
 
 use sesc_model::urdf::limits;
 
-const NAME: usize = limits::NAME_BYTES + 1;
-
 /// `std_msgs/msg/Header`
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
@@ -143,7 +141,8 @@ impl<'a> Cdr<'a> {
 
     fn string(&mut self) -> Result<String, String> {
         let length = self.length(1)?;
-        if length > NAME {
+        // With its closing zero.
+        if length > limits::NAME_BYTES + 1 {
             return Err(format!("a message with a name of {length} bytes"));
         }
         let text = self.take(length)?;

@@ -18,18 +18,8 @@ use nalgebra::{DMatrix, DVector};
 use crate::observations::noise::quantile;
 use crate::svd::svd;
 
-/// Singular values of the scaled columns of X below this part of the largest are rounding.
-const DEPENDENT: f64 = 1e-6;
-/// Steps whose lengths differ by less than this part are one.
-const ALIKE: f64 = 0.15;
-/// Correlation times that are tried, and how often the best is refined.
+/// Correlation times that are tried before the best is refined.
 const TRIED: usize = 40;
-const REFINED: usize = 12;
-/// The shortest that is tried, in steps; the longest, as a part of the length.
-const SHORTEST: f64 = 0.2;
-const LONGEST: f64 = 0.5;
-/// 1 − ρ² is no smaller.
-const LEAST: f64 = 1e-12;
 
 /// An AR(1) process that residuals look like.
 #[derive(Debug, Clone, PartialEq)]
@@ -126,7 +116,8 @@ pub(super) fn estimate(rows: &AxisRows) -> Option<Ar1Process> {
         freedom: (sums.rows + 1 - z.ncols()) as f64,
         params: &turn * &found.params,
     };
-    let Some((low, high)) = rows.times(SHORTEST, LONGEST) else {
+    // The shortest that is tried, in steps; the longest, as a part of the length.
+    let Some((low, high)) = rows.times(0.2, 0.5) else {
         return Some(process(0.0, &white));
     };
     let at = |part: f64| low * (high / low).powf(part);
@@ -138,7 +129,7 @@ pub(super) fn estimate(rows: &AxisRows) -> Option<Ar1Process> {
     let grid = grid.map(|part| (of(part), part));
     let mut best = grid.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut step = 0.5 / TRIED as f64;
-    for _ in 0..REFINED {
+    for _ in 0..12 {
         for part in [best.1 - step, best.1 + step] {
             let part = part.clamp(0.0, 1.0);
             let tried = of(part);
@@ -179,7 +170,8 @@ impl Sums {
         let mut first = Vec::new();
         for k in 0..n {
             if k > 0 && joined[k] {
-                let step = (t[k] - t[k - 1]).ln() / ALIKE;
+                // Steps whose lengths differ by less than this part are one.
+                let step = (t[k] - t[k - 1]).ln() / 0.15;
                 classes.entry(step.round() as i64).or_default().push(k);
             } else {
                 first.push(k);
@@ -212,7 +204,8 @@ impl Sums {
         let mut log_det = 0.0;
         for lag in &self.lags {
             let rho = lasting(lag.length / lag.count, tau);
-            let left = (1.0 - rho * rho).max(LEAST);
+            // 1 − ρ² is no smaller.
+            let left = (1.0 - rho * rho).max(1e-12);
             log_det += lag.count * left.ln();
             all += (&lag.here - &lag.cross * rho + &lag.before * (rho * rho)) / left;
         }
@@ -259,7 +252,8 @@ pub(super) fn basis(x: &DMatrix<f64>) -> DMatrix<f64> {
     let Some(v) = svd.v_t else {
         return DMatrix::zeros(x.ncols(), 0);
     };
-    let least = DEPENDENT * svd.singular_values.max();
+    // Singular values of the scaled columns of X below this part of the largest are rounding.
+    let least = 1e-6 * svd.singular_values.max();
     let kept: Vec<usize> = (0..svd.singular_values.len())
         .filter(|&k| svd.singular_values[k] > least)
         .collect();
