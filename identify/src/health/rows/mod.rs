@@ -288,20 +288,30 @@ impl LogRows {
     fn still(&self, chosen: &[usize], model: &Model) -> Option<Vec<(usize, [f64; 2])>> {
         let (t, q) = (self.block.t.as_ref()?, &self.block.q);
         let plan = Plan::of(t, q, self.dof)?;
-        let motion = plan.motion((t, q, self.dof), 0..self.len(), Wanted::Alone)?;
-        let known = chosen.iter().copied().filter(|&k| motion.known[k]);
-        let known: Vec<usize> = known.collect();
-        let of = |all: &[f64]| -> Vec<f64> {
-            let row = |&k: &usize| all[k * self.dof..(k + 1) * self.dof].iter().copied();
-            known.iter().flat_map(row).collect()
-        };
-        let [q, rates, gains] = [q, &motion.rates, &motion.gains].map(|all| of(all));
-        let level = vec![[0.0; 2]; known.len()];
-        let cad = model.cad_params();
-        let shifts = Zmp::new(model).shifts(&cad, &q, (&rates, &gains), &level);
-        let mut still = self.as_read(&known);
-        for ((_, y), shift) in still.iter_mut().zip(shifts) {
-            (0..2).for_each(|axis| y[axis] -= shift[axis]);
+        let (zmp, cad) = (Zmp::new(model), model.cad_params());
+        let mut still = Vec::new();
+        // The motion of all rows takes more memory than the rows.
+        for start in (0..self.len()).step_by(BLOCK) {
+            let rows = start..self.len().min(start + BLOCK);
+            let mut known: Vec<usize> = chosen.to_vec();
+            known.retain(|k| rows.contains(k));
+            if known.is_empty() {
+                continue;
+            }
+            let motion = plan.motion((t, q, self.dof), rows, Wanted::Alone)?;
+            known.retain(|k| motion.known[k - start]);
+            let of = |all: &[f64]| -> Vec<f64> {
+                let row = |k: &usize| &all[(k - start) * self.dof..(k + 1 - start) * self.dof];
+                known.iter().flat_map(row).copied().collect()
+            };
+            let (rates, gains) = (of(&motion.rates), of(&motion.gains));
+            let q = of(&q[start * self.dof..]);
+            let level = vec![[0.0; 2]; known.len()];
+            let shifts = zmp.shifts(&cad, &q, (&rates, &gains), &level);
+            still.extend(known.iter().zip(shifts).map(|(&k, shift)| {
+                let y = self.readings()[k];
+                (k, [0, 1].map(|axis| y[axis] - shift[axis]))
+            }));
         }
         (!still.is_empty()).then_some(still)
     }
