@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
+use sesc::cli::values::{LAYOUTS, SCALARS};
+use sesc_codegen::Servos;
 use sesc_codegen::facts::Facts;
 use sesc_codegen::sources::{self, C99, Sources};
-use sesc_codegen::{Layout, Scalar, Servos};
 use sesc_identify::files;
 
 use crate::calls::{Stopped, detached, watched};
@@ -38,21 +39,10 @@ pub fn c_files(
     let options: COptions = taken(options, Doing::Sesc)?;
     let model = model.inner.clone();
     let sources = watched(py, None, Stopped::Abandoned, move |_| {
-        let scalars = [
-            ("f64", Scalar::F64),
-            ("f32", Scalar::F32),
-            ("fixed32", Scalar::Fixed32),
-        ];
-        let layouts = [
-            ("bare", Layout::Bare),
-            ("cmake", Layout::Cmake),
-            ("platformio", Layout::PlatformIo),
-            ("arduino", Layout::Arduino),
-        ];
         let scalar = options.scalar.as_deref();
-        let scalar = scalar.map(|given| named("scalar", given, scalars, Doing::Sesc));
+        let scalar = scalar.map(|given| named("scalar", given, SCALARS, Doing::Sesc));
         let scalar = scalar.transpose()?;
-        let layout = named("layout", &options.layout, layouts, Doing::Sesc)?;
+        let layout = named("layout", &options.layout, LAYOUTS, Doing::Sesc)?;
         let servos = match (&options.servos, options.ticks) {
             (Some(_), Some(false)) => {
                 let message =

@@ -3,11 +3,11 @@
 
 use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
-use sesc::cli::units;
+use sesc::cli::values::{self, DUPLICATES, LOSSES, Words};
 use sesc_identify::fit::MotionModel;
+use sesc_identify::fit::Request;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::PriorChoice;
-use sesc_identify::fit::{Duplicates, Loss, Request};
 use sesc_identify::logs::{Angles, Stays};
 
 use crate::errors::{Doing, Failure};
@@ -42,16 +42,7 @@ where
             }
         }
     })?;
-    for name in [
-        "noise",
-        "offset",
-        "floor",
-        "cop_box",
-        "clearance",
-        "margin",
-        "rate",
-        "range",
-    ] {
+    for name in values::sized() {
         // What a call does not have, and None.
         let value = given
             .get_item(name)
@@ -64,15 +55,16 @@ where
 }
 
 /// What the name that a keyword is `given` stands for, of those that are `known`.
-pub fn named<T, const N: usize>(
+pub fn named<T: Copy>(
     keyword: &str,
     given: &str,
-    known: [(&str, T); N],
+    known: &Words<T>,
     doing: Doing,
 ) -> Result<T, Failure> {
-    let names = known.each_ref().map(|(name, _)| *name).join(", ");
-    let found = known.into_iter().find(|(name, _)| *name == given);
-    found.map(|(_, value)| value).ok_or_else(|| {
+    let found = known.iter().find(|(name, ..)| *name == given);
+    found.map(|(_, value, _)| *value).ok_or_else(|| {
+        let names: Vec<&str> = known.iter().map(|(name, ..)| *name).collect();
+        let names = names.join(", ");
         let message = format!("`{keyword}` {given}: known are {names}");
         Failure::plain(doing, message)
     })
@@ -81,7 +73,7 @@ pub fn named<T, const N: usize>(
 /// A value in SI units that can be meant.
 pub fn sized(name: &str, value: f64, doing: Doing) -> Result<(), Failure> {
     let wrong = |wrong| Failure::plain(doing, format!("`{name}` {value:?}: {wrong}"));
-    units::check(name, value).map_err(wrong)
+    values::check(name, value).map_err(wrong)
 }
 
 /// What a corrected robot may weigh, kg.
@@ -93,7 +85,7 @@ pub fn weighed(
         let kg = total_mass.unwrap_or_default();
         Failure::plain(Doing::Fit, format!("`total_mass` {kg:?}: {wrong}"))
     };
-    units::check_mass(total_mass, robot).map_err(wrong)
+    values::check_mass(total_mass, robot).map_err(wrong)
 }
 
 /// Keywords of a fit, all of them given.
@@ -137,9 +129,8 @@ impl FitOptions {
         request.prior = PriorChoice::from(self.prior.as_str());
         request.noise = self.noise;
         request.offset = self.offset;
-        let losses = [("huber", Loss::Huber), ("tukey", Loss::Tukey)];
         let robust = self.robust.as_deref();
-        let robust = robust.map(|given| named("robust", given, losses, Doing::Fit));
+        let robust = robust.map(|given| named("robust", given, LOSSES, Doing::Fit));
         request.robust = robust.transpose()?;
         request.folds = self.folds;
         request.range = self.range;
@@ -147,8 +138,7 @@ impl FitOptions {
         request.motion = motion(self.motion);
         request.stays = stays(self.settle)?;
         request.unit = self.unit;
-        let ways = [("refuse", Duplicates::Refuse), ("skip", Duplicates::Skip)];
-        request.duplicates = named("duplicates", &self.duplicates, ways, Doing::Fit)?;
+        request.duplicates = named("duplicates", &self.duplicates, DUPLICATES, Doing::Fit)?;
         Ok(request)
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sesc_identify::diagnose::Request;
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::MotionModel;
@@ -14,25 +14,9 @@ use sesc_identify::skeleton::Skeleton;
 use sesc_model::tree::sole_of;
 use sesc_model::{Model, ModelFile, Snapping};
 
-use super::{message, notes, units};
+use super::values::{self, MOTION, one_of};
+use super::{message, notes};
 use crate::Error;
-
-/// Whether the motion of the joints counts.
-#[derive(Clone, Copy, Default, ValueEnum)]
-pub(super) enum Motion {
-    #[default]
-    Auto,
-    Off,
-}
-
-impl From<Motion> for MotionModel {
-    fn from(motion: Motion) -> MotionModel {
-        match motion {
-            Motion::Auto => MotionModel::Auto,
-            Motion::Off => MotionModel::Off,
-        }
-    }
-}
 
 /// How a log is read, and what is known before it.
 #[derive(Args)]
@@ -48,17 +32,17 @@ pub(super) struct ReadingArguments {
     #[arg(long, value_name = "tight|cad|free|FILE")]
     pub(super) prior: Option<String>,
     /// Standard deviation of a single reading on one axis, m; from the log unless given
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::metres(units::NOISIEST_M))]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = values::number("noise"))]
     pub(super) noise: Option<f64>,
     /// How far all readings may be shifted before a log says so, standard deviation, m: a frame of
     /// the foot, the corner of a force plate, the zero of a sensor. 0 for not at all; 0.003 or 0.03,
     /// whichever is likelier, unless given
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::metres(units::LARGEST_SHIFT_M))]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = values::number("offset"))]
     pub(super) offset: Option<f64>,
     /// Compare readings with the ZMP where a log with `t` knows accelerations, or take all as
     /// those of standing postures
-    #[arg(long, value_enum, default_value_t)]
-    pub(super) motion: Motion,
+    #[arg(long, value_parser = one_of(MOTION), default_value = MOTION[0].0)]
+    pub(super) motion: MotionModel,
 }
 
 impl ReadingArguments {
@@ -82,7 +66,7 @@ pub(super) struct DiagnosisArguments {
         long,
         value_name = "M",
         default_value = "0.0001",
-        allow_negative_numbers = true, value_parser = units::metres(units::NOISIEST_M)
+        allow_negative_numbers = true, value_parser = values::number("floor")
     )]
     pub(super) floor: f64,
 }
@@ -105,7 +89,7 @@ impl DiagnosisArguments {
         request.noise = self.reading.noise;
         request.offset = self.reading.offset;
         request.floor = self.floor;
-        request.motion = self.reading.motion.into();
+        request.motion = self.reading.motion;
         request.stays = stays.into();
         request.feet = feet.into();
         Ok(request)
@@ -119,7 +103,7 @@ pub(super) struct StaysArguments {
     /// slower than 0.02 rad/s; each is one posture. Recordings of ROS have 0.3 s unless given,
     /// where the robot holds still at all. 0 takes every row as one of a robot that moves.
     /// Else rows of a stay of a second are one posture where a log has `t` and no `pose`
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = units::stays)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = values::stays)]
     pub(super) settle: Option<Stays>,
 }
 
@@ -171,7 +155,7 @@ pub(super) struct StandingArguments {
     /// Height of the support link's origin over its sole, along z, m, where it is not in the sole.
     /// `--support foot --sole-height 0.04` is short for `--support foot@40mm`, which sidecars,
     /// build scripts and sesc.toml take, too
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = units::metres(units::LARGEST_M))]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = values::number("sole_height"))]
     sole_height: Option<f64>,
     /// Take decimals of right angles (1.5708) literally
     #[arg(long)]

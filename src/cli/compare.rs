@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use clap::Args;
+use clap::{ArgMatches, Args};
 use sesc_identify::compare;
 use sesc_identify::diagnose::{Verdict, diagnose};
 use sesc_identify::files;
@@ -11,7 +11,7 @@ use sesc_identify::logs::LogSource;
 use sesc_identify::robot::Robot;
 use sesc_model::ModelFile;
 
-use super::defaults::Typed;
+use super::defaults::first_typed;
 use super::outputs::{Files, Kind};
 use super::steps::About;
 use super::{
@@ -78,7 +78,7 @@ const OF_ROBOTS: &[&str] = &["no-snap", "xacro"];
 /// Endings of logs.
 const LOGS: [&str; 4] = ["csv", "gz", "parquet", "mcap"];
 
-pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, Error> {
     let both = [&arguments.before, &arguments.after];
     refuse_ignored(arguments, typed)?;
     Files::default()
@@ -163,11 +163,11 @@ fn is_log(path: &Path) -> bool {
 }
 
 /// Options that two model files leave nothing to do are errors.
-fn refuse_ignored(arguments: &Arguments, typed: &Typed) -> Result<(), Error> {
+fn refuse_ignored(arguments: &Arguments, typed: &ArgMatches) -> Result<(), Error> {
     if is_log(&arguments.before) || is_log(&arguments.after) {
         return Ok(());
     }
-    if let Some(option) = typed.first(OF_LOGS) {
+    if let Some(option) = first_typed(typed, OF_LOGS) {
         return Err(Error::Usage(format!(
             "{option} is for logs, and two model files are compared, which hold what was identified; \
              leave it out, or give the logs with --urdf"
@@ -180,7 +180,7 @@ fn refuse_ignored(arguments: &Arguments, typed: &Typed) -> Result<(), Error> {
             "is for the robot on the page, and none is written; leave it out, or add --report"
         }
     };
-    match typed.first(OF_ROBOTS) {
+    match first_typed(typed, OF_ROBOTS) {
         Some(option) => Err(Error::Usage(format!("{option} {lacks}"))),
         None => Ok(()),
     }

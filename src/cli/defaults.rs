@@ -10,17 +10,18 @@
 //! What the command line says wins over it, and so does the support link that the sidecar of a
 //! log names. The options that were taken from it are said in a note.
 
+use std::any::TypeId;
 use std::ffi::{OsStr, OsString};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use clap::parser::ValueSource;
-use clap::{Arg, ArgMatches, Command, CommandFactory as _};
+use clap::{Arg, ArgMatches, Command};
 use sesc_identify::logs::Sidecar;
 use sesc_model::files;
 use sesc_model::spelling::nearest;
 use sesc_model::text::shortened;
 
-use super::Cli;
 use crate::Error;
 
 /// The file's name.
@@ -29,36 +30,28 @@ pub(super) const FILE: &str = "sesc.toml";
 /// The newest format of the file that is read.
 const FORMAT: u32 = 1;
 
-/// What a key's value is.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Kind {
-    Text,
-    Number,
-    Flag,
-    /// A path, unless it is one of these words.
-    Path(&'static [&'static str]),
-}
-
-/// Keys, which are options with `_` for `-`, in the order in which they are said.
-pub(super) const KEYS: [(&str, Kind); 14] = [
-    ("support", Kind::Text),
-    ("no_snap", Kind::Flag),
-    ("both_feet", Kind::Flag),
-    ("other_foot", Kind::Text),
-    ("degrees", Kind::Flag),
-    ("prior", Kind::Path(&["tight", "cad", "free"])),
-    ("noise", Kind::Number),
-    ("offset", Kind::Number),
-    ("floor", Kind::Number),
-    ("motion", Kind::Text),
-    ("limits", Kind::Path(&[])),
-    ("cop_box", Kind::Number),
-    ("sole", Kind::Path(&[])),
-    ("servos", Kind::Path(&[])),
+/// Keys, which are options with `_` for `-`, in the order in which they are said. What their values
+/// are the options say: flags, numbers, texts or, where the name of the value has `FILE`, paths.
+pub(super) const KEYS: [&str; 14] = [
+    "support",
+    "no_snap",
+    "both_feet",
+    "other_foot",
+    "degrees",
+    "prior",
+    "noise",
+    "offset",
+    "floor",
+    "motion",
+    "limits",
+    "cop_box",
+    "sole",
+    "servos",
 ];
 
-/// Options that the [`FILE`] of a robot gave.
+/// Options that the [`FILE`] of a robot gives.
 pub(super) struct Given {
+    command: String,
     file: PathBuf,
     text: String,
     /// Options as they are typed, `--noise=0.001`, each with its key.
@@ -83,83 +76,80 @@ impl Given {
         let (key, _) = self.options.iter().find(|(_, option)| names(option))?;
         Some(wrong(&self.file, &self.text, key, message))
     }
-}
 
-/// The options of a command that were typed, apart from those that a file gives.
-pub(super) struct Typed(ArgMatches);
-
-impl Typed {
-    /// The options of these words; none of words that the parser refuses.
-    pub(super) fn new(words: &[OsString]) -> Typed {
-        let matches = Cli::command().try_get_matches_from(words);
-        Typed(matches.unwrap_or_default())
-    }
-
-    /// The first of these options that was typed; their names are those of the parser's fields.
-    pub(super) fn first(&self, options: &[&str]) -> Option<String> {
-        let (_, matches) = self.0.subcommand()?;
-        let typed = |option: &&&str| {
-            let id = option.replace('-', "_");
-            matches.try_contains_id(&id).is_ok() && is_typed(matches, &id)
-        };
-        let first = options.iter().find(typed)?;
-        Some(format!("--{first}"))
+    /// The words of a command line with them, behind the name of the command: what comes after
+    /// `--` are files.
+    pub(super) fn beside(&self, words: &[OsString]) -> Vec<OsString> {
+        let mut words = words.to_vec();
+        let at = words.iter().position(|word| *word == *self.command);
+        let at = at.map_or(words.len(), |k| k + 1);
+        words.splice(at..at, self.options.iter().map(|(_, option)| option.into()));
+        words
     }
 }
 
-/// `words` with the options that the robot's [`FILE`] gives and they do not, and those.
+/// The first of these options of a command that was typed.
+pub(super) fn first_typed(words: &ArgMatches, options: &[&str]) -> Option<String> {
+    let (_, matches) = words.subcommand()?;
+    let typed = |option: &&&str| {
+        let id = option.replace('-', "_");
+        matches.try_contains_id(&id).is_ok() && is_typed(matches, &id)
+    };
+    let first = options.iter().find(typed)?;
+    Some(format!("--{first}"))
+}
+
+/// The options that the robot's [`FILE`] gives to the command and nobody typed, if any.
 ///
 /// # Errors
 /// A file that cannot be used, with its name, the key and the remedy.
-pub(super) fn completed(
-    words: &[OsString],
-    typed: &Typed,
-) -> Result<(Vec<OsString>, Option<Given>), Error> {
-    let mut words = words.to_vec();
-    let command = Cli::command();
-    // What is wrong with the words is said by the parser that runs after this.
-    let Some((name, matches)) = typed.0.subcommand() else {
-        return Ok((words, None));
+pub(super) fn given(program: &Command, words: &ArgMatches) -> Result<Option<Given>, Error> {
+    let Some((name, matches)) = words.subcommand() else {
+        return Ok(None);
     };
-    let (Some(command), Some(file)) = (command.find_subcommand(name), of_robot(matches)) else {
-        return Ok((words, None));
+    let (Some(command), Some(file)) = (program.find_subcommand(name), of_robot(matches)) else {
+        return Ok(None);
     };
     let Some((text, table)) = read(&file)? else {
-        return Ok((words, None));
+        return Ok(None);
     };
-    let known: Vec<&str> = KEYS.iter().map(|(key, _)| *key).collect();
-    if let Some(unknown) = table.keys().find(|key| !known.contains(&key.as_str())) {
-        let meant = nearest(unknown, "", known.iter().copied());
+    if let Some(unknown) = table.keys().find(|key| !KEYS.contains(&key.as_str())) {
+        let meant = nearest(unknown, "", KEYS);
         let meant = meant.map_or(String::new(), |key| format!("; did you mean `{key}`?"));
-        let remedy = format!("no such key; the keys are {}{meant}", known.join(", "));
+        let remedy = format!("no such key; the keys are {}{meant}", KEYS.join(", "));
         return Err(wrong(&file, &text, &shortened(unknown, 64), &remedy));
     }
     let folder = file.parent().unwrap_or(Path::new(""));
-    let mut given = Vec::new();
-    for (key, kind) in KEYS {
-        let Some(value) = table.get(key) else {
+    let mut options = Vec::new();
+    for key in KEYS {
+        let named = |command: &Command| option(command, key).cloned();
+        let own = named(command);
+        // A fault of the file is one for every command.
+        let known = own
+            .clone()
+            .or_else(|| program.get_subcommands().find_map(named));
+        let (Some(value), Some(known)) = (table.get(key), known) else {
             continue;
         };
-        let option =
-            spelled(value, kind, folder).map_err(|remedy| wrong(&file, &text, key, &remedy))?;
-        if let Some(value) = option.filter(|_| wanted(command, matches, key)) {
-            given.push((key, format!("--{}{value}", key.replace('_', "-"))));
-        }
+        let spelled = spelled(value, &known, folder);
+        let spelled = spelled.map_err(|remedy| wrong(&file, &text, key, &remedy))?;
+        let wanted = own.is_some_and(|own| wanted(command, matches, &own));
+        options.extend(spelled.filter(|_| wanted).map(|option| (key, option)));
     }
-    if given.is_empty() {
-        return Ok((words, None));
-    }
-    // Behind the name of the command: what comes after `--` are files.
-    let at = words.iter().position(|word| word == name);
-    let at = at.map_or(words.len(), |k| k + 1);
-    words.splice(at..at, given.iter().map(|(_, option)| option.into()));
-    let options = given;
-    let given = Given {
+    let is_any = !options.is_empty();
+    Ok(is_any.then_some(Given {
+        command: name.to_string(),
         file,
         text,
         options,
-    };
-    Ok((words, Some(given)))
+    }))
+}
+
+/// The option of a key, where a command has it.
+fn option<'c>(command: &'c Command, key: &str) -> Option<&'c Arg> {
+    let name = key.replace('_', "-");
+    let mut all = command.get_arguments();
+    all.find(|own| own.get_long() == Some(&name))
 }
 
 /// Where the file of the command's robot would be.
@@ -208,36 +198,35 @@ fn fault(file: &Path, line: Option<u64>, reason: String) -> Error {
     Error::Settings { file, line, reason }
 }
 
-/// A value as it stands behind its option; none of a flag that is off.
-fn spelled(value: &toml::Value, kind: Kind, folder: &Path) -> Result<Option<String>, String> {
+/// A value as it is typed, `--noise=0.001`; none of a flag that is off.
+fn spelled(value: &toml::Value, option: &Arg, folder: &Path) -> Result<Option<String>, String> {
     use toml::Value::{Boolean, Float, Integer, String};
-    match (kind, value) {
-        (Kind::Text, String(text)) => Ok(Some(format!("={text}"))),
-        (Kind::Number, Float(number)) => Ok(Some(format!("={number:?}"))),
-        (Kind::Number, Integer(number)) => Ok(Some(format!("={number}"))),
-        (Kind::Flag, Boolean(on)) => Ok(on.then(Default::default)),
-        (Kind::Path(words), String(text)) if words.contains(&text.as_str()) => {
-            Ok(Some(format!("={text}")))
+    let name = option.get_long().unwrap_or_default();
+    let with = |value: &dyn Display| Ok(Some(format!("--{name}={value}")));
+    let words = option.get_value_names().unwrap_or_default().first();
+    let words: Vec<&str> = words.map_or(Vec::new(), |words| words.split('|').collect());
+    let is_number = option.get_value_parser().type_id() == TypeId::of::<f64>();
+    match (option.get_action().takes_values(), value) {
+        (false, Boolean(on)) => Ok(on.then(|| format!("--{name}"))),
+        (false, _) => Err("give true or false".to_string()),
+        (true, Float(number)) if is_number => with(&format!("{number:?}")),
+        (true, Integer(number)) if is_number => with(number),
+        (true, _) if is_number => Err("give a number".to_string()),
+        (true, String(text)) if !words.contains(&"FILE") || words.contains(&text.as_str()) => {
+            with(text)
         }
-        (Kind::Path(_), String(text)) => match files::named_in(folder, text) {
-            Ok(path) => Ok(Some(format!("={}", path.display()))),
+        (true, String(text)) => match files::named_in(folder, text) {
+            Ok(path) => with(&path.display()),
             Err(error) => Err(format!("{error}; type the option to read it")),
         },
-        (Kind::Number, _) => Err("give a number".to_string()),
-        (Kind::Flag, _) => Err("give true or false".to_string()),
-        (Kind::Text | Kind::Path(_), _) => Err("give a text in quotes".to_string()),
+        (true, _) => Err("give a text in quotes".to_string()),
     }
 }
 
-/// Whether the command knows the option, has not been given it, and would use it.
-fn wanted(command: &Command, matches: &ArgMatches, key: &str) -> bool {
-    let option = key.replace('_', "-");
-    let own = command
-        .get_arguments()
-        .find(|own| own.get_long() == Some(&option));
-    let Some(own) = own else { return false };
-    let typed = is_typed(matches, own.get_id().as_str()) || contradicts(command, matches, own);
-    let used = match key {
+/// Whether an option of the command has not been typed, and is of use.
+fn wanted(command: &Command, matches: &ArgMatches, own: &Arg) -> bool {
+    let id = own.get_id().as_str();
+    let used = match id {
         "support" => command.get_name() != "fleet" && !logs_say_support(matches),
         // Postures at rest have no motion.
         "motion" => command.get_name() != "simulate" || is_typed(matches, "rate"),
@@ -245,7 +234,7 @@ fn wanted(command: &Command, matches: &ArgMatches, key: &str) -> bool {
         "servos" => command.get_name() != "generate" || takes_ticks(matches),
         _ => true,
     };
-    !typed && used
+    used && !is_typed(matches, id) && !contradicts(command, matches, own)
 }
 
 /// Whether an option that does not go with this one has been typed: it wins, too.
@@ -264,11 +253,8 @@ fn is_typed(matches: &ArgMatches, id: &str) -> bool {
 }
 
 fn takes_ticks(matches: &ArgMatches) -> bool {
-    matches
-        .try_get_raw("lang")
-        .ok()
-        .flatten()
-        .is_some_and(|mut lang| lang.any(|lang| lang == "c"))
+    let lang = matches.try_get_raw("lang").ok().flatten();
+    lang.is_some_and(|mut lang| lang.any(|lang| lang == "c"))
 }
 
 /// Whether logs of the command name their own support links.

@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgMatches, Args};
 
-use super::defaults::Typed;
+use super::defaults::first_typed;
 use super::outputs::{Files, Kind, Together};
 use super::steps::About;
+use super::values::{DUPLICATES, LOSSES, number, one_of};
 use super::{
     Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, check_mass,
-    command_line, message, not_written, notes, outputs, print_json, show, show_beside, units,
+    command_line, message, not_written, notes, outputs, print_json, show, show_beside,
 };
 use crate::Error;
 use crate::report::fit::{self as report, FitReport, Shown, Unusable, page};
@@ -50,8 +51,8 @@ pub(super) struct Arguments {
     #[command(flatten)]
     feet: FeetArguments,
     /// Trust postures less that no noise explains, and name them
-    #[arg(long, value_enum)]
-    robust: Option<RobustLoss>,
+    #[arg(long, value_parser = one_of(LOSSES))]
+    robust: Option<Loss>,
     /// Folds of the cross-validation, settled when factor files are gathered [default: 10]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(2..=100))]
     folds: Option<u64>,
@@ -60,7 +61,7 @@ pub(super) struct Arguments {
         long,
         value_name = "DEG",
         allow_negative_numbers = true,
-        value_parser = units::range_deg,
+        value_parser = number("range"),
         conflicts_with = "partial"
     )]
     range: Option<f64>,
@@ -72,8 +73,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME")]
     unit: Option<String>,
     /// Factor files whose logs are all in another one: refuse them, or leave them out
-    #[arg(long, value_enum, default_value_t)]
-    duplicates: DuplicateParts,
+    #[arg(long, value_parser = one_of(DUPLICATES), default_value = DUPLICATES[0].0)]
+    duplicates: Duplicates,
     /// Model file to write; `-` is standard output
     #[arg(long, value_name = "FILE", conflicts_with = "partial")]
     out: Option<PathBuf>,
@@ -107,28 +108,15 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum RobustLoss {
-    Huber,
-    Tukey,
-}
-
-#[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
-enum DuplicateParts {
-    #[default]
-    Refuse,
-    Skip,
-}
-
 /// Options about factor files.
 const OF_PARTS: &[&str] = &["unit", "duplicates"];
 /// Options of reading logs; the fit itself refuses others beside factor files alone.
 const OF_LOGS: &[&str] = &["both-feet", "other-foot"];
 
 /// Options that nothing would come of are errors.
-fn refuse_ignored(arguments: &Arguments, typed: &Typed) -> Result<(), Error> {
+fn refuse_ignored(arguments: &Arguments, typed: &ArgMatches) -> Result<(), Error> {
     let parts = arguments.inputs.iter().any(|path| is_part(path));
-    if !parts && let Some(option) = typed.first(OF_PARTS) {
+    if !parts && let Some(option) = first_typed(typed, OF_PARTS) {
         let gathers = arguments.partial.is_some() && option == "--unit";
         if !gathers {
             return Err(Error::Usage(format!(
@@ -146,7 +134,7 @@ fn refuse_ignored(arguments: &Arguments, typed: &Typed) -> Result<(), Error> {
             )));
         }
     }
-    if let Some(option) = typed.first(OF_LOGS).filter(|_| arguments.data.is_empty()) {
+    if let Some(option) = first_typed(typed, OF_LOGS).filter(|_| arguments.data.is_empty()) {
         return Err(Error::Usage(format!(
             "{option} is about reading logs, and none is given: factor files were gathered as \
              their options said; leave it out, or add --data"
@@ -155,7 +143,7 @@ fn refuse_ignored(arguments: &Arguments, typed: &Typed) -> Result<(), Error> {
     Ok(())
 }
 
-pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, Error> {
     refuse_ignored(arguments, typed)?;
     check_files(arguments)?;
     let request = request(arguments)?;
@@ -315,20 +303,14 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.prior = arguments.reading.prior_or(Prior::DEFAULT);
     request.noise = arguments.reading.noise;
     request.offset = arguments.reading.offset;
-    request.robust = arguments.robust.map(|robust| match robust {
-        RobustLoss::Huber => Loss::Huber,
-        RobustLoss::Tukey => Loss::Tukey,
-    });
-    request.motion = arguments.reading.motion.into();
+    request.robust = arguments.robust;
+    request.motion = arguments.reading.motion;
     request.stays = (&arguments.stays).into();
     request.feet = (&arguments.feet).into();
     request.folds = arguments.folds.and_then(|k| usize::try_from(k).ok());
     request.range = arguments.range.map(f64::to_radians);
     request.unit = arguments.unit.clone();
-    request.duplicates = match arguments.duplicates {
-        DuplicateParts::Refuse => Duplicates::Refuse,
-        DuplicateParts::Skip => Duplicates::Skip,
-    };
+    request.duplicates = arguments.duplicates;
     if let Some(robot) = &request.robot {
         check_mass(arguments.total_mass, robot)?;
     }

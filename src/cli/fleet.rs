@@ -4,20 +4,22 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgMatches, Args};
 
-use super::defaults::Typed;
+use super::defaults::first_typed;
 use super::outputs::{Files, Kind};
+use super::values::{ONLY, one_of};
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Motion, Outcome, RobotArguments, message, outputs,
-    print_json, show,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, message, outputs, print_json,
+    show,
 };
 use crate::Error;
 use crate::report::fleet::{ROBOTS, answer, page_of_robot, pages, skeleton, text};
 use sesc_identify::feet::Feet;
 use sesc_identify::files;
+use sesc_identify::fit::MotionModel;
 use sesc_identify::fleet::summary::{Summary, summary};
-use sesc_identify::fleet::{self, Fleet, Options, Row, Store};
+use sesc_identify::fleet::{self, Fleet, Only, Options, Row, Store};
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -59,7 +61,7 @@ pub(super) struct Arguments {
     feet: FeetArguments,
     /// Make these alone: `parameters` fits without a diagnosis, in a thirtieth of the time; rows
     /// then have parameters and health, and no verdict or effects
-    #[arg(long, value_enum, value_name = "WHAT")]
+    #[arg(long, value_parser = one_of(ONLY), value_name = "WHAT")]
     only: Option<Only>,
     /// Threads; as many as there are cores unless given
     #[arg(long, value_name = "N", value_parser = threads)]
@@ -95,18 +97,12 @@ fn threads(text: &str) -> Result<usize, String> {
     }
 }
 
-/// What is made of each robot and day.
-#[derive(Clone, Copy, ValueEnum)]
-enum Only {
-    Parameters,
-}
-
 /// Options of diagnoses alone.
 const OF_DIAGNOSES: &[&str] = &["floor"];
 
 /// Options that nothing would come of are errors.
-fn refuse_ignored(arguments: &Arguments, typed: &Typed) -> Result<(), Error> {
-    let unused = arguments.only.and(typed.first(OF_DIAGNOSES));
+fn refuse_ignored(arguments: &Arguments, typed: &ArgMatches) -> Result<(), Error> {
+    let unused = arguments.only.and(first_typed(typed, OF_DIAGNOSES));
     unused.map_or(Ok(()), |option| {
         Err(Error::Usage(format!(
             "{option} is for diagnoses, and --only parameters makes none; leave one of them out"
@@ -114,7 +110,7 @@ fn refuse_ignored(arguments: &Arguments, typed: &Typed) -> Result<(), Error> {
     })
 }
 
-pub(super) fn run(arguments: &Arguments, typed: &Typed) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, Error> {
     refuse_ignored(arguments, typed)?;
     let outputs = [&arguments.out].into_iter().chain(&arguments.report);
     let outputs = outputs.chain(&arguments.prior_out).map(PathBuf::as_path);
@@ -216,13 +212,11 @@ fn request(arguments: &Arguments, inputs: &[fleet::Group]) -> Result<fleet::Requ
     options.prior = reading.prior.clone();
     options.noise = reading.noise;
     options.floor = arguments.how.floor;
-    options.motion = matches!(reading.motion, Motion::Auto);
+    options.motion = reading.motion == MotionModel::Auto;
     options.both_feet = feet.both;
     options.other_foot = feet.other;
     options.information = arguments.prior_out.is_some();
-    if let Some(Only::Parameters) = arguments.only {
-        options.only = Some(fleet::Only::Parameters);
-    }
+    options.only = arguments.only;
     let robot = Arc::new(arguments.robot.standing.robot(&arguments.robot.urdf)?);
     let mut request = fleet::Request::new(robot, fleet::groups(inputs));
     request.options = options;

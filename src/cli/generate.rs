@@ -5,15 +5,16 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use sesc_codegen::Servos;
 use sesc_codegen::facts::Facts;
 use sesc_codegen::sources::{self, C99};
+use sesc_codegen::{Layout, Scalar, Servos};
 use sesc_identify::NextStep;
 use sesc_identify::files::write_all_if_changed;
 use sesc_model::effects::EncoderMap;
 
 use super::outputs::{Files, Kind};
 use super::steps::About;
+use super::values::{LAYOUTS, SCALARS, one_of};
 use super::{Outcome, RobotArguments, message, notes, outputs, print, print_json, steps};
 use crate::Error;
 use crate::report::next_steps::Worded;
@@ -34,7 +35,7 @@ pub(super) struct Arguments {
     lang: Language,
     /// Scalar type of C [default: f64, of --layout arduino and platformio f32]; Rust output is
     /// generic and serves f64, f32 and SIMD lanes alike
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = one_of(SCALARS))]
     scalar: Option<Scalar>,
     /// Module name, or prefix of the C names; `ROBOT_SUPPORT` unless given
     #[arg(long)]
@@ -55,7 +56,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = trimmed)]
     functions: Option<Vec<String>>,
     /// C: what to put around the two files; bare unless given
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = one_of(LAYOUTS))]
     layout: Option<Layout>,
     /// C: functions of servo ticks [default: true for f32 and fixed32]
     #[arg(long, value_name = "BOOL")]
@@ -177,26 +178,6 @@ fn lanes(text: &str) -> Result<u32, String> {
 enum Language {
     Rust,
     C,
-}
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Scalar {
-    F64,
-    F32,
-    /// 32-bit integers with proven binary points, for processors without FPU
-    Fixed32,
-}
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum Layout {
-    /// NAME.h and NAME.c, nothing else
-    Bare,
-    /// CMake project: target NAME::NAME, FetchContent, find_package, pkg-config
-    Cmake,
-    /// PlatformIO library, for any framework and platform
-    Platformio,
-    /// Library of the Arduino IDE, with an example
-    Arduino,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
@@ -326,19 +307,10 @@ fn wanted_c(arguments: &Arguments) -> Result<C99, Error> {
         (None, ticks) => ticks.map(|wanted| wanted.then(Servos::default)),
     };
     Ok(C99 {
-        scalar: arguments.scalar.map(|scalar| match scalar {
-            Scalar::F64 => sesc_codegen::Scalar::F64,
-            Scalar::F32 => sesc_codegen::Scalar::F32,
-            Scalar::Fixed32 => sesc_codegen::Scalar::Fixed32,
-        }),
+        scalar: arguments.scalar,
         servos,
         estimator: arguments.estimator,
         lanes: arguments.lanes,
-        layout: match arguments.layout.unwrap_or(Layout::Bare) {
-            Layout::Bare => sesc_codegen::Layout::Bare,
-            Layout::Cmake => sesc_codegen::Layout::Cmake,
-            Layout::Platformio => sesc_codegen::Layout::PlatformIo,
-            Layout::Arduino => sesc_codegen::Layout::Arduino,
-        },
+        layout: arguments.layout.unwrap_or(Layout::Bare),
     })
 }

@@ -19,7 +19,7 @@ mod shell;
 mod simulate;
 mod steps;
 mod terminal;
-pub mod units;
+pub mod values;
 mod verify;
 mod width;
 
@@ -30,11 +30,11 @@ use std::process::ExitCode;
 use std::sync::OnceLock;
 
 use arguments::{
-    DiagnosisArguments, FeetArguments, Motion, ReadingArguments, RobotArguments, StandingArguments,
+    DiagnosisArguments, FeetArguments, ReadingArguments, RobotArguments, StandingArguments,
     StaysArguments,
 };
 use clap::error::{ContextKind, ErrorKind};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use sesc_model::text::{is_hidden, visible, visible_lines};
 use terminal::Bar;
 
@@ -93,30 +93,23 @@ pub fn main() -> ExitCode {
 pub fn main_from(words: Vec<OsString>) -> u8 {
     let words = WORDS.get_or_init(|| words);
     let json = json_is_wanted(words);
-    let typed = &defaults::Typed::new(words);
-    let (words, given) = match defaults::completed(words, typed) {
-        Ok(completed) => completed,
+    let mut program = Cli::command();
+    let typed = &match program.try_get_matches_from_mut(words) {
+        Ok(typed) => typed,
+        Err(error) => return refused(error, None, json),
+    };
+    let given = match defaults::given(&program, typed) {
+        Ok(given) => given,
         Err(error) => return failed(&error, None, json),
     };
     let given = given.as_ref();
-    let cli = match Cli::try_parse_from(words) {
+    let parsed = match given {
+        None => Cli::from_arg_matches(typed),
+        Some(given) => Cli::try_parse_from(given.beside(words)),
+    };
+    let cli = match parsed {
         Ok(cli) => cli,
-        // Help and version are answers.
-        Err(error) if !error.use_stderr() => error.exit(),
-        Err(mut error) => {
-            // A word behind `--` is a file: no remedy for an option that is not there.
-            if error.kind() == ErrorKind::UnknownArgument {
-                error.remove(ContextKind::Suggested);
-            }
-            let rendered = error.render().to_string();
-            if let Some(error) = given.and_then(|given| of_file(given, &rendered)) {
-                return failed(&error, None, json);
-            }
-            if json {
-                print_error("usage", &of_parser(&rendered), None, None);
-            }
-            error.exit()
-        }
+        Err(error) => return refused(error, given, json),
     };
     cli.manners.hold();
     if let Some(given) = given {
@@ -154,23 +147,33 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
     }
 }
 
-/// What the parser says of options, where a file gave the one that it names.
-fn of_file(given: &defaults::Given, rendered: &str) -> Option<Error> {
-    let said = rendered.trim_start_matches("error: ");
-    let said = said.split("\n\n").next().unwrap_or(said).trim_end();
-    given.blamed(said)
-}
-
-/// What the parser finds wrong, without what it says of the command besides.
-fn of_parser(rendered: &str) -> String {
+/// Say what the parser finds wrong, and in which file where that gave the option; the exit code.
+fn refused(mut error: clap::Error, given: Option<&defaults::Given>, json: bool) -> u8 {
+    // Help and version are answers.
+    if !error.use_stderr() {
+        error.exit();
+    }
+    // A word behind `--` is a file: no remedy for an option that is not there.
+    if error.kind() == ErrorKind::UnknownArgument {
+        error.remove(ContextKind::Suggested);
+    }
+    let rendered = error.render().to_string();
     let besides = ["Usage:", "For more information"];
-    let said = rendered.split("\n\n");
+    let said = rendered.trim_start_matches("error: ").split("\n\n");
     let said = said.filter(|own| {
         !besides
             .iter()
             .any(|start| own.trim_start().starts_with(start))
     });
-    said.collect::<Vec<_>>().join("\n\n")
+    let said: Vec<&str> = said.map(str::trim_end).collect();
+    let first = said.first().copied().unwrap_or_default();
+    if let Some(error) = given.and_then(|given| given.blamed(first)) {
+        return failed(&error, None, json);
+    }
+    if json {
+        print_error("usage", &said.join("\n\n"), None, None);
+    }
+    error.exit()
 }
 
 /// Say what is wrong, and where an option stands that it is about; the exit code.
@@ -264,7 +267,7 @@ fn causes(error: &Error) -> Vec<String> {
 /// What the links of a robot weigh together in its URDF.
 fn check_mass(kg: Option<f64>, robot: &Robot) -> Result<(), Error> {
     let wrong = |wrong| Error::Usage(format!("--total-mass {}: {wrong}", kg.unwrap_or_default()));
-    units::check_mass(kg, robot).map_err(wrong)
+    values::check_mass(kg, robot).map_err(wrong)
 }
 
 /// Notes, on stderr; those of one kind together.
@@ -339,7 +342,7 @@ struct Answer<'a, T: serde::Serialize> {
 
 /// The keys of `sesc.toml`.
 pub fn robot_keys() -> impl Iterator<Item = &'static str> {
-    defaults::KEYS.into_iter().map(|(key, _)| key)
+    defaults::KEYS.into_iter()
 }
 
 /// [`COLUMNS`] as a text for help, a line for each that any terminal shows.

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::outputs::{Files, Kind};
 use super::steps::About;
+use super::values::number;
 use super::{
     Bar, FeetArguments, Outcome, RobotArguments, command_line, message, outputs, print_json,
     show_beside,
@@ -35,14 +36,14 @@ pub(super) struct Arguments {
     poses: u64,
     /// Keep |x| and |y| of the CoP within this, m [default: the inner part of the sole where the
     /// URDF has collision shapes of the support, else of a box with its inertia]
-    #[arg(long, value_name = "M", conflicts_with = "sole", value_parser = super::units::metres(super::units::LARGEST_M))]
+    #[arg(long, value_name = "M", conflicts_with = "sole", value_parser = number("cop_box"))]
     cop_box: Option<f64>,
     /// Keep the CoP within the hull of these points of the sole, m
     #[arg(long, value_name = "FILE|x,y;…", allow_hyphen_values = true)]
     sole: Option<String>,
     /// Keep the CoP at least so far from the edge of box or sole, m; of a sole by collision shapes
     /// three tenths of half its narrower side are kept in any case
-    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = super::units::metres(super::units::WIDEST_M))]
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = number("margin"))]
     margin: f64,
     /// Safety margin of the CoP in standard deviations of its prediction
     #[arg(long, value_name = "K", default_value_t = 2.0)]
@@ -57,14 +58,14 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "tight|cad|free|FILE", default_value = Prior::DEFAULT)]
     prior: String,
     /// Standard deviation of a single reading on one axis, m; one is taken in each posture
-    #[arg(long, value_name = "M", default_value_t = 0.0005, value_parser = super::units::metres(super::units::NOISIEST_M))]
+    #[arg(long, value_name = "M", default_value_t = 0.0005, value_parser = number("noise"))]
     noise: f64,
     /// Least height of everything but the support body, m
     #[arg(
         long,
         value_name = "M",
         default_value_t = 0.005,
-        allow_hyphen_values = true, value_parser = super::units::metres(super::units::LARGEST_M)
+        allow_hyphen_values = true, value_parser = number("clearance")
     )]
     clearance: f64,
     #[command(flatten)]

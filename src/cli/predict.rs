@@ -8,9 +8,11 @@ use serde::Serialize;
 
 use super::outputs::{Files, Kind};
 use super::steps::About;
-use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, steps};
+use super::values::{MOTION, one_of};
+use super::{Bar, Outcome, RobotArguments, message, outputs, print_json, steps};
 use crate::Error;
 use crate::report::next_steps::{WithSteps, Worded};
+use sesc_identify::fit::MotionModel;
 use sesc_identify::logs::{Angles, PREDICTED, PostureWriter, Row, Sidecar};
 use sesc_identify::predict::{Predictor, Request, predict};
 use sesc_identify::robot::Stance;
@@ -36,8 +38,8 @@ pub(super) struct Arguments {
     #[arg(long)]
     degrees: bool,
     /// Predict the ZMP where a log with `t` knows accelerations, or the CoP of standing postures
-    #[arg(long, value_enum, default_value_t)]
-    motion: Motion,
+    #[arg(long, value_parser = one_of(MOTION), default_value = MOTION[0].0)]
+    motion: MotionModel,
     /// Table to write (.csv, .csv.gz or .parquet); else CSV on standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -70,7 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let next_steps = after(arguments, &stance);
     let mut request = Request::new(stance, outputs::log(&arguments.data)?);
     request.angles = arguments.degrees.then_some(Angles::Deg);
-    request.motion = arguments.motion.into();
+    request.motion = arguments.motion;
     let bar = &mut Bar::new("predicting");
     let file = arguments.out.as_deref();
     match (

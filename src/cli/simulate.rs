@@ -7,10 +7,12 @@ use serde::Serialize;
 
 use super::outputs::{Files, Kind};
 use super::steps::About;
-use super::{Bar, Motion, Outcome, RobotArguments, message, outputs, print_json, steps};
+use super::values::{MOTION, number, one_of};
+use super::{Bar, Outcome, RobotArguments, message, outputs, print_json, steps};
 use crate::Error;
 use crate::report::next_steps::Worded;
 use sesc_identify::NextStep;
+use sesc_identify::fit::MotionModel;
 use sesc_identify::simulate::hide;
 use sesc_identify::simulate::{self, Request};
 
@@ -26,18 +28,18 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     poses: u64,
     /// Draw revolute joints within ±DEG of zero (and their limits); else within their limits
-    #[arg(long, value_name = "DEG", value_parser = super::units::range_deg)]
+    #[arg(long, value_name = "DEG", value_parser = number("range"))]
     range: Option<f64>,
     /// Standard deviation of the CoP noise, m
-    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = super::units::metres(super::units::NOISIEST_M))]
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = number("noise"))]
     noise: f64,
     /// Let the robot move through the ranges of its joints and log so many rows per second,
     /// with a column `t`; else postures are at rest
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = super::units::rate_hz)]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = number("rate"))]
     rate: Option<f64>,
     /// Log the ZMP of a robot that moves, or the CoP of standing postures
-    #[arg(long, value_enum, default_value_t)]
-    motion: Motion,
+    #[arg(long, value_parser = one_of(MOTION), default_value = MOTION[0].0)]
+    motion: MotionModel,
     /// Seed of postures and noise
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -81,7 +83,7 @@ pub(super) struct Written<'a> {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    if matches!(arguments.motion, Motion::Off) && arguments.rate.is_none() {
+    if arguments.motion == MotionModel::Off && arguments.rate.is_none() {
         let sentence = "--motion off is about a robot that moves; add --rate HZ, or leave it out \
                         (postures are at rest without it)";
         return Err(Error::Usage(sentence.to_string()));
@@ -100,7 +102,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     request.noise = arguments.noise;
     request.seed = arguments.seed;
     request.rate = arguments.rate;
-    request.motion = arguments.motion.into();
+    request.motion = arguments.motion;
     let bar = &mut Bar::new("simulating");
     let tree = &request.model.tree;
     let support = &tree.links[tree.support].name;
