@@ -6,17 +6,16 @@ use std::sync::Arc;
 use clap::{ArgMatches, Args};
 use sesc_identify::compare;
 use sesc_identify::diagnose::{Verdict, diagnose};
-use sesc_identify::files;
 use sesc_identify::logs::LogSource;
 use sesc_identify::robot::Robot;
 use sesc_model::ModelFile;
 
-use super::defaults::first_typed;
+use super::defaults::refuse;
 use super::outputs::{Files, Kind};
 use super::steps::About;
 use super::{
     Bar, DiagnosisArguments, FeetArguments, Outcome, StandingArguments, StaysArguments,
-    command_line, message, print_json, show,
+    command_line, message, outputs, print_found, print_json,
 };
 use crate::Error;
 use crate::report::compare::{page, text};
@@ -130,19 +129,14 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
             drawn.as_ref(),
             &command_line(),
         );
-        files::write(path, &page?)?;
-        message(&format!("wrote {}", path.display()));
+        outputs::write(path, &page?)?;
     }
-    match arguments.json {
-        true => {
-            let found = &comparison;
-            print_json(&WithSteps { found, next_steps })?;
-        }
-        false => {
-            let text = text(&comparison, &models[0].file, &models[1].file);
-            show(&format!("{text}\n{}", next_steps::text(next_steps)))?;
-        }
-    }
+    let found = &comparison;
+    let found = WithSteps { found, next_steps };
+    print_found(arguments.json, &found, false, || {
+        let text = text(&comparison, &models[0].file, &models[1].file);
+        format!("{text}\n{}", next_steps::text(next_steps))
+    })?;
     Ok(Outcome::Ok)
 }
 
@@ -167,12 +161,12 @@ fn refuse_ignored(arguments: &Arguments, typed: &ArgMatches) -> Result<(), Error
     if is_log(&arguments.before) || is_log(&arguments.after) {
         return Ok(());
     }
-    if let Some(option) = first_typed(typed, OF_LOGS) {
-        return Err(Error::Usage(format!(
-            "{option} is for logs, and two model files are compared, which hold what was identified; \
-             leave it out, or give the logs with --urdf"
-        )));
-    }
+    refuse(
+        typed,
+        OF_LOGS,
+        "is for logs, and two model files are compared, which hold what was identified; leave it \
+         out, or give the logs with --urdf",
+    )?;
     let lacks = match (&arguments.urdf, &arguments.report) {
         (Some(_), Some(_)) => return Ok(()),
         (None, _) => "is for the URDF, and none is given; leave it out, or add --urdf",
@@ -180,10 +174,7 @@ fn refuse_ignored(arguments: &Arguments, typed: &ArgMatches) -> Result<(), Error
             "is for the robot on the page, and none is written; leave it out, or add --report"
         }
     };
-    match first_typed(typed, OF_ROBOTS) {
-        Some(option) => Err(Error::Usage(format!("{option} {lacks}"))),
-        None => Ok(()),
-    }
+    refuse(typed, OF_ROBOTS, lacks)
 }
 
 /// The model that a file holds, or that the diagnosis of a log gives; none of a log that cannot

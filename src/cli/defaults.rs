@@ -88,15 +88,20 @@ impl Given {
     }
 }
 
-/// The first of these options of a command that was typed.
-pub(super) fn first_typed(words: &ArgMatches, options: &[&str]) -> Option<String> {
-    let (_, matches) = words.subcommand()?;
+/// Refuse the first of these options that was typed, since nothing would come of it; `why` has the
+/// remedy.
+///
+/// # Errors
+/// When one was typed.
+pub(super) fn refuse(words: &ArgMatches, options: &[&str], why: &str) -> Result<(), Error> {
     let typed = |option: &&&str| {
-        let id = option.replace('-', "_");
-        matches.try_contains_id(&id).is_ok() && is_typed(matches, &id)
+        let (id, own) = (option.replace('-', "_"), words.subcommand());
+        own.is_some_and(|(_, own)| own.try_contains_id(&id).is_ok() && is_typed(own, &id))
     };
-    let first = options.iter().find(typed)?;
-    Some(format!("--{first}"))
+    match options.iter().find(typed) {
+        Some(option) => Err(Error::Usage(format!("--{option} {why}"))),
+        None => Ok(()),
+    }
 }
 
 /// The options that the robot's [`FILE`] gives to the command and nobody typed, if any.
@@ -122,18 +127,16 @@ pub(super) fn given(program: &Command, words: &ArgMatches) -> Result<Option<Give
     let folder = file.parent().unwrap_or(Path::new(""));
     let mut options = Vec::new();
     for key in KEYS {
-        let named = |command: &Command| option(command, key).cloned();
-        let own = named(command);
+        let own = option(command, key);
         // A fault of the file is one for every command.
-        let known = own
-            .clone()
-            .or_else(|| program.get_subcommands().find_map(named));
+        let mut others = program.get_subcommands();
+        let known = own.or_else(|| others.find_map(|other| option(other, key)));
         let (Some(value), Some(known)) = (table.get(key), known) else {
             continue;
         };
-        let spelled = spelled(value, &known, folder);
+        let spelled = spelled(value, known, folder);
         let spelled = spelled.map_err(|remedy| wrong(&file, &text, key, &remedy))?;
-        let wanted = own.is_some_and(|own| wanted(command, matches, &own));
+        let wanted = own.is_some_and(|own| wanted(command, matches, own));
         options.extend(spelled.filter(|_| wanted).map(|option| (key, option)));
     }
     let is_any = !options.is_empty();

@@ -12,7 +12,7 @@ use sesc_identify::simulate::hide;
 use sesc_model::Snapping;
 
 use super::outputs::{Files, Kind};
-use super::{Bar, Outcome, command_line, message, print_json, show, steps};
+use super::{Bar, Outcome, command_line, message, print_found, steps};
 use crate::demo::{self, Demo};
 use crate::report::next_steps::{self, Worded};
 use crate::report::table::{Table, hundredths as mm, wrapped};
@@ -71,19 +71,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let page = report::demo::page(&demo.report, &steps, &command_line())?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
     let page = arguments.out.display().to_string();
-    match arguments.json {
-        true => print_json(&Answer {
-            pass: demo.first.verification.pass,
-            page,
-            report: &demo.report,
-            next_steps: &steps,
-        })?,
-        false => {
-            show(&text(&demo))?;
-            let next = next_steps::text(&steps);
-            show(&format!("\nreport with figures: {page}\n\n{next}"))?;
-        }
-    }
+    let answer = Answer {
+        pass: demo.first.verification.pass,
+        page,
+        report: &demo.report,
+        next_steps: &steps,
+    };
+    print_found(arguments.json, &answer, false, || {
+        let (text, next) = (text(&demo), next_steps::text(&steps));
+        format!("{text}\nreport with figures: {}\n\n{next}", answer.page)
+    })?;
     if demo.first.verification.pass {
         Ok(Outcome::Ok)
     } else {

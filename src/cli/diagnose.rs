@@ -9,7 +9,7 @@ use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::{
     Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, check_mass,
-    command_line, message, not_written, notes, outputs, print_json, show_beside, steps,
+    command_line, message, not_written, notes, outputs, print_found, steps,
 };
 use crate::Error;
 use crate::report::diagnose::{DiagnoseReport, ModelUse, page, text};
@@ -140,7 +140,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         for path in named.into_iter().flatten() {
             not_written(path);
         }
-        let mut files = Together::default();
         if let Some(path) = &arguments.report {
             let RobotArguments { urdf, standing } = &arguments.robot;
             let support = &report.diagnosis.support;
@@ -154,14 +153,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
                 printed.next_steps,
                 Some(&drawn),
             );
-            files.add(path, &page?)?;
+            outputs::write(path, &page?)?;
         }
-        files.finish()?;
     }
-    match arguments.json {
-        true => print_json(&printed)?,
-        false => show_beside(&text(&printed, arguments.long), streamed)?,
-    }
+    print_found(arguments.json, &printed, streamed, || {
+        text(&printed, arguments.long)
+    })?;
     let found = &report.diagnosis;
     let (error, floor) = (found.baseline.rmse, found.noise_floor);
     Ok(match usable {

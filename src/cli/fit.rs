@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use clap::{ArgMatches, Args};
 
-use super::defaults::first_typed;
+use super::defaults::refuse;
 use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::values::{DUPLICATES, LOSSES, number, one_of};
 use super::{
     Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, check_mass,
-    command_line, message, not_written, notes, outputs, print_json, show, show_beside,
+    command_line, message, not_written, notes, outputs, print_found, print_json,
 };
 use crate::Error;
 use crate::report::fit::{self as report, FitReport, Shown, Unusable, page};
@@ -108,39 +108,35 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// Options about factor files.
-const OF_PARTS: &[&str] = &["unit", "duplicates"];
 /// Options of reading logs; the fit itself refuses others beside factor files alone.
 const OF_LOGS: &[&str] = &["both-feet", "other-foot"];
 
 /// Options that nothing would come of are errors.
 fn refuse_ignored(arguments: &Arguments, typed: &ArgMatches) -> Result<(), Error> {
-    let parts = arguments.inputs.iter().any(|path| is_part(path));
-    if !parts && let Some(option) = first_typed(typed, OF_PARTS) {
-        let gathers = arguments.partial.is_some() && option == "--unit";
-        if !gathers {
-            return Err(Error::Usage(format!(
-                "{option} is about factor files (.part), and none is {}; leave it out, or {}",
-                if option == "--unit" {
-                    "written or read"
-                } else {
-                    "read"
-                },
-                if option == "--unit" {
-                    "add --partial FILE"
-                } else {
-                    "give those to combine"
-                },
-            )));
-        }
+    let of_parts = "is about factor files (.part), and none is";
+    if !arguments.inputs.iter().any(|path| is_part(path)) {
+        let (options, lacks) = match (&arguments.unit, &arguments.partial) {
+            (Some(_), Some(_)) => (&[][..], ""),
+            (Some(_), None) => (
+                &["unit"][..],
+                "written or read; leave it out, or add --partial FILE",
+            ),
+            (None, _) => (
+                &["duplicates"][..],
+                "read; leave it out, or give those to combine",
+            ),
+        };
+        refuse(typed, options, &format!("{of_parts} {lacks}"))?;
     }
-    if let Some(option) = first_typed(typed, OF_LOGS).filter(|_| arguments.data.is_empty()) {
-        return Err(Error::Usage(format!(
-            "{option} is about reading logs, and none is given: factor files were gathered as \
-             their options said; leave it out, or add --data"
-        )));
+    match arguments.data.is_empty() {
+        true => refuse(
+            typed,
+            OF_LOGS,
+            "is about reading logs, and none is given: factor files were gathered as their options \
+             said; leave it out, or add --data",
+        ),
+        false => Ok(()),
     }
-    Ok(())
 }
 
 pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, Error> {
@@ -190,10 +186,10 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
         support: request.support.as_deref(),
     };
     let next_steps = &about.worded(&found.identification.next_steps())[..];
+    let text = || report::text(&found.identification, next_steps, arguments.long);
     if !found.identification.is_usable() {
         let named = arguments.out.iter().chain(&arguments.urdf);
         named.for_each(|path| not_written(path));
-        let mut files = Together::default();
         if let Some(path) = &arguments.report {
             let drawn = Skeleton::of(&found.model, &found.robot.description, folder);
             let (found, line) = (&found.identification, command_line());
@@ -209,17 +205,10 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
                 next_steps,
                 Some(&drawn),
             );
-            files.add(path, &page?)?;
+            outputs::write(path, &page?)?;
         }
-        files.finish()?;
-        match arguments.json {
-            true => print_json(&Unusable::new(&found.identification.health, next_steps))?,
-            false => show(&report::text(
-                &found.identification,
-                next_steps,
-                arguments.long,
-            ))?,
-        }
+        let unusable = Unusable::new(&found.identification.health, next_steps);
+        print_found(arguments.json, &unusable, false, text)?;
         return Ok(Outcome::Failed);
     }
     let mut files = Together::default();
@@ -241,16 +230,12 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
         files.add(path, &page(&report)?)?;
     }
     files.finish()?;
-    if arguments.json {
-        print_json(&report)?;
-    } else {
-        let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
-        let text = report::text(&found.identification, next_steps, arguments.long);
-        show_beside(&text, streamed)?;
-        if let Some(corrected) = &corrected {
-            show_beside(&report::corrections(corrected, arguments.long), streamed)?;
-        }
-    }
+    let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
+    print_found(arguments.json, &report, streamed, || {
+        let corrected = corrected.iter();
+        let corrected = corrected.map(|own| report::corrections(own, arguments.long));
+        text() + &corrected.collect::<String>()
+    })?;
     let (error, floor) = (
         found.identification.held_out_rmse,
         found.identification.noise_floor,

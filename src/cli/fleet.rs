@@ -6,12 +6,11 @@ use std::sync::Arc;
 
 use clap::{ArgMatches, Args};
 
-use super::defaults::first_typed;
+use super::defaults::refuse;
 use super::outputs::{Files, Kind};
 use super::values::{ONLY, one_of};
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, message, outputs, print_json,
-    show,
+    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, message, outputs, print_found,
 };
 use crate::Error;
 use crate::report::fleet::{ROBOTS, answer, page_of_robot, pages, skeleton, text};
@@ -97,17 +96,13 @@ fn threads(text: &str) -> Result<usize, String> {
     }
 }
 
-/// Options of diagnoses alone.
-const OF_DIAGNOSES: &[&str] = &["floor"];
-
 /// Options that nothing would come of are errors.
 fn refuse_ignored(arguments: &Arguments, typed: &ArgMatches) -> Result<(), Error> {
-    let unused = arguments.only.and(first_typed(typed, OF_DIAGNOSES));
-    unused.map_or(Ok(()), |option| {
-        Err(Error::Usage(format!(
-            "{option} is for diagnoses, and --only parameters makes none; leave one of them out"
-        )))
-    })
+    let why = "is for diagnoses, and --only parameters makes none; leave one of them out";
+    match arguments.only {
+        Some(_) => refuse(typed, &["floor"], why),
+        None => Ok(()),
+    }
 }
 
 pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, Error> {
@@ -157,8 +152,7 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
     fleet::write(&arguments.out, &found.rows)?;
     message(&format!("wrote {}", arguments.out.display()));
     if let (Some(path), Some(known)) = (&arguments.prior_out, &population) {
-        files::write(path, &known.to_toml()?)?;
-        message(&format!("wrote {}", path.display()));
+        outputs::write(path, &known.to_toml()?)?;
     }
     let summary = summary(&found.rows, population);
     if let Some(path) = &arguments.report {
@@ -166,11 +160,10 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
         let drawn = skeleton(&found, &request.robot, &request.options, folder);
         write_pages((path, arguments.pages), &found, &summary, drawn.as_ref())?;
     }
-    if arguments.json {
-        print_json(&answer(&found, &summary))?;
-    } else {
-        show(&text(&found, &summary, arguments.long))?;
-    }
+    let answer = answer(&found, &summary);
+    print_found(arguments.json, &answer, false, || {
+        text(&found, &summary, arguments.long)
+    })?;
     let any = found.rows.iter().any(Row::has_result);
     Ok(if any { Outcome::Ok } else { Outcome::Failed })
 }

@@ -15,9 +15,9 @@ use sesc_model::effects::EncoderMap;
 use super::outputs::{Files, Kind};
 use super::steps::About;
 use super::values::{LAYOUTS, SCALARS, one_of};
-use super::{Outcome, RobotArguments, message, notes, outputs, print, print_json, steps};
+use super::{Outcome, RobotArguments, message, notes, outputs, print, print_found};
 use crate::Error;
-use crate::report::next_steps::Worded;
+use crate::report::next_steps::{self, Worded};
 
 /// Write the functions of a robot as source code
 #[derive(Args)]
@@ -252,10 +252,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     };
     let about = About::new(&arguments.robot.urdf);
     answer.next_steps = about.worded([&verify]);
-    match arguments.json {
-        true => print_json(&answer)?,
-        false => steps::say(&answer.next_steps),
-    }
+    print_found(arguments.json, &answer, true, || {
+        next_steps::text(&answer.next_steps)
+    })?;
     Ok(Outcome::Ok)
 }
 

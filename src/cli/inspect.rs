@@ -11,7 +11,7 @@ use sesc_model::tree::{Snap, snapped};
 use sesc_model::{Function, Interface};
 
 use super::steps::About;
-use super::{Outcome, RobotArguments, print_json, show};
+use super::{Outcome, RobotArguments, print_found};
 use crate::Error;
 use crate::inspect::{Inspection, RankCheck, inspect};
 use crate::report::next_steps::{self, WithSteps};
@@ -42,13 +42,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let support = model.support().to_string();
     let about = About::new(&arguments.robot.urdf);
     let next_steps = &about.worded([&NextStep::Plan { support }])[..];
-    if arguments.json {
-        let found = &inspection;
-        print_json(&WithSteps { found, next_steps })?;
-    } else {
+    let found = &inspection;
+    let found = WithSteps { found, next_steps };
+    print_found(arguments.json, &found, false, || {
         let text = text(&inspection, arguments.long);
-        show(&format!("{text}\n{}", next_steps::text(next_steps)))?;
-    }
+        format!("{text}\n{}", next_steps::text(next_steps))
+    })?;
     match inspection.rank_check {
         RankCheck::Agrees => Ok(Outcome::Ok),
         RankCheck::Undecided => {

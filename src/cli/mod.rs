@@ -307,14 +307,21 @@ fn show(text: &str) -> Result<(), Error> {
     print_as_is(&terminal::result(&text))
 }
 
-/// A result that people read beside an output that has standard output for itself.
-fn show_beside(text: &str, streamed: bool) -> Result<(), Error> {
-    match streamed {
-        true => {
-            messages(text.trim_end());
+/// A result, as JSON or as a text for people, which goes to stderr where stdout has an output or
+/// names of files (`is_beside`).
+fn print_found(
+    json: bool,
+    found: &impl serde::Serialize,
+    is_beside: bool,
+    text: impl FnOnce() -> String,
+) -> Result<(), Error> {
+    match json {
+        true => print_json(found),
+        false if is_beside => {
+            messages(text().trim_end());
             Ok(())
         }
-        false => show(text),
+        false => show(&text()),
     }
 }
 

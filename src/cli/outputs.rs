@@ -315,6 +315,16 @@ impl Together {
     }
 }
 
+/// Write a whole file, and say so.
+///
+/// # Errors
+/// When it cannot be written.
+pub(super) fn write(path: &Path, text: &str) -> Result<(), Error> {
+    files::write(path, text)?;
+    message(&format!("wrote {}", path.display()));
+    Ok(())
+}
+
 /// Have SIGINT (Ctrl-C) and SIGTERM end this process without unfinished files, by the exit codes
 /// of a shell, 130 and 143; elsewhere than on Unix files stay.
 pub(super) fn tidy_when_interrupted() -> io::Result<()> {

@@ -8,13 +8,11 @@ use super::outputs::{Files, Kind};
 use super::steps::About;
 use super::values::number;
 use super::{
-    Bar, FeetArguments, Outcome, RobotArguments, command_line, message, outputs, print_json,
-    show_beside,
+    Bar, FeetArguments, Outcome, RobotArguments, command_line, message, outputs, print_found,
 };
 use crate::Error;
 use crate::report::{self, next_steps::WithSteps};
 use sesc_identify::feet::Feet;
-use sesc_identify::files;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{PostureWriter, Written};
 use sesc_identify::plan::Limits;
@@ -151,16 +149,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             &out.to_string(),
             &command_line(),
         );
-        files::write(path, &page?)?;
-        message(&format!("wrote {}", path.display()));
+        outputs::write(path, &page?)?;
     }
-    match arguments.json {
-        true => print_json(&WithSteps {
-            found: &found,
-            next_steps,
-        })?,
-        false => show_beside(&report::plan::text(&found, next_steps), streamed)?,
-    }
+    let found = &found;
+    let answer = WithSteps { found, next_steps };
+    print_found(arguments.json, &answer, streamed, || {
+        report::plan::text(found, next_steps)
+    })?;
     Ok(Outcome::Ok)
 }
 

@@ -9,9 +9,9 @@ use serde::Serialize;
 use super::outputs::{Files, Kind};
 use super::steps::About;
 use super::values::{MOTION, one_of};
-use super::{Bar, Outcome, RobotArguments, message, outputs, print_json, steps};
+use super::{Bar, Outcome, RobotArguments, message, outputs, print_found, print_json, steps};
 use crate::Error;
-use crate::report::next_steps::{WithSteps, Worded};
+use crate::report::next_steps::{self, WithSteps, Worded};
 use sesc_identify::fit::MotionModel;
 use sesc_identify::logs::{Angles, PREDICTED, PostureWriter, Row, Sidecar};
 use sesc_identify::predict::{Predictor, Request, predict};
@@ -95,14 +95,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             bar.clear();
             let file = path.display().to_string();
             message(&format!("wrote {file}"));
-            match json {
-                true => print_json(&Written {
-                    file,
-                    postures,
-                    next_steps,
-                })?,
-                false => steps::say(&next_steps),
-            }
+            let written = Written {
+                file,
+                postures,
+                next_steps,
+            };
+            let text = || next_steps::text(&written.next_steps);
+            print_found(json, &written, true, text)?;
         }
         (None, true) => print_json(&WithSteps {
             found: &predict(&request, bar)?,

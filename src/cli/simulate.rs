@@ -8,9 +8,9 @@ use serde::Serialize;
 use super::outputs::{Files, Kind};
 use super::steps::About;
 use super::values::{MOTION, number, one_of};
-use super::{Bar, Outcome, RobotArguments, message, outputs, print_json, steps};
+use super::{Bar, Outcome, RobotArguments, message, outputs, print_found};
 use crate::Error;
-use crate::report::next_steps::Worded;
+use crate::report::next_steps::{self, Worded};
 use sesc_identify::NextStep;
 use sesc_identify::fit::MotionModel;
 use sesc_identify::simulate::hide;
@@ -124,19 +124,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     };
     // The sidecar names the support link.
     let steps = about.worded([&NextStep::Fit { support: None }]);
-    match arguments.json {
-        false => steps::say(&steps),
-        true => print_json(&Written {
-            robot: &tree.robot,
-            support,
-            postures: request.poses,
-            seed: request.seed,
-            noise: request.noise,
-            rate: request.rate,
-            log: log.to_string(),
-            sidecar: sidecar.to_string(),
-            next_steps: &steps,
-        })?,
-    }
+    let written = Written {
+        robot: &tree.robot,
+        support,
+        postures: request.poses,
+        seed: request.seed,
+        noise: request.noise,
+        rate: request.rate,
+        log: log.to_string(),
+        sidecar: sidecar.to_string(),
+        next_steps: &steps,
+    };
+    print_found(arguments.json, &written, true, || next_steps::text(&steps))?;
     Ok(Outcome::Ok)
 }

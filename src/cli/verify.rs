@@ -6,11 +6,12 @@ use clap::Args;
 
 use super::outputs::Files;
 use super::steps::About;
-use super::{Bar, Outcome, RobotArguments, print_json, show};
+use super::{Bar, Outcome, RobotArguments, print_found};
 use crate::Error;
-use crate::report::next_steps::{self, WithSteps};
+use crate::report::next_steps::{self, WithSteps, Worded};
 use crate::report::table::Table;
-use crate::verify::{holds, samples, verify};
+use crate::verify::{Verification, holds, samples, verify};
+use sesc_model::Model;
 
 /// Compare the generated functions with the independent reference
 ///
@@ -57,60 +58,66 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let step = next_steps::of_verification(model.support(), file, found.pass);
     let about = About::new(&arguments.robot.urdf);
     let next_steps = &about.worded([&step])[..];
-    if arguments.json {
-        let found = &found;
-        print_json(&WithSteps { found, next_steps })?;
-    } else {
-        let mut table = Table::new(&["function", "worst error", "allowed", "unit", ""]);
-        for (name, error) in &found.worst_error {
-            let bound = found.bound[name];
-            let verdict = if holds(*error, bound) { "ok" } else { "FAIL" };
-            table.row(&[
-                name.to_string(),
-                format!("{error:.2e}"),
-                format!("{bound:.2e}"),
-                found.units[name].to_string(),
-                verdict.to_string(),
-            ]);
-        }
-        let mut text = format!("{table}\n");
-        if !model.tree.snaps.is_empty() {
-            text += "allowed: what rounding makes, and what the snapped right angles move; with \
-                     --no-snap rounding alone\n";
-        }
-        if found.springs_left_out > 0.0 {
-            text += &format!(
-                "springs: {} rounds leave out up to {:.1e} m\n",
-                model.rounds, found.springs_left_out
-            );
-        }
-        if !found.beyond_use.is_empty() {
-            text += &format!(
-                "{}: what is proven of rounding and snapped angles is more than {:.1e} m, a \
-                 thousandth of the robot's reach, so that keeping it verifies nothing; allowed is a \
-                 billionth of the reach instead. Long chains have such bounds, mimic joints with \
-                 large factors, and angles that are nearly right (--no-snap)\n",
-                found.beyond_use.join(", "),
-                found.widest_of_use
-            );
-        }
-        if found.undecided > 0 {
-            text += &format!(
-                "{} postures left out: a joint rests on either side of its dead band, or the \
-                 CoP is off the cells\n",
-                found.undecided
-            );
-        }
-        let verdict = if found.pass { "pass" } else { "FAIL" };
-        show(&format!(
-            "{text}{verdict} on {} postures\n\n{}",
-            found.samples,
-            next_steps::text(next_steps)
-        ))?;
-    }
+    let answer = WithSteps {
+        found: &found,
+        next_steps,
+    };
+    print_found(arguments.json, &answer, false, || {
+        text(&found, &model, next_steps)
+    })?;
     Ok(if found.pass {
         Outcome::Ok
     } else {
         Outcome::Failed
     })
+}
+
+/// The worst errors beside what is allowed, and what is said of them.
+fn text(found: &Verification, model: &Model, next_steps: &[Worded]) -> String {
+    let mut table = Table::new(&["function", "worst error", "allowed", "unit", ""]);
+    for (name, error) in &found.worst_error {
+        let bound = found.bound[name];
+        let verdict = if holds(*error, bound) { "ok" } else { "FAIL" };
+        table.row(&[
+            name.to_string(),
+            format!("{error:.2e}"),
+            format!("{bound:.2e}"),
+            found.units[name].to_string(),
+            verdict.to_string(),
+        ]);
+    }
+    let mut text = format!("{table}\n");
+    if !model.tree.snaps.is_empty() {
+        text += "allowed: what rounding makes, and what the snapped right angles move; with \
+                 --no-snap rounding alone\n";
+    }
+    if found.springs_left_out > 0.0 {
+        text += &format!(
+            "springs: {} rounds leave out up to {:.1e} m\n",
+            model.rounds, found.springs_left_out
+        );
+    }
+    if !found.beyond_use.is_empty() {
+        text += &format!(
+            "{}: what is proven of rounding and snapped angles is more than {:.1e} m, a \
+             thousandth of the robot's reach, so that keeping it verifies nothing; allowed is a \
+             billionth of the reach instead. Long chains have such bounds, mimic joints with \
+             large factors, and angles that are nearly right (--no-snap)\n",
+            found.beyond_use.join(", "),
+            found.widest_of_use
+        );
+    }
+    if found.undecided > 0 {
+        text += &format!(
+            "{} postures left out: a joint rests on either side of its dead band, or the \
+             CoP is off the cells\n",
+            found.undecided
+        );
+    }
+    let verdict = if found.pass { "pass" } else { "FAIL" };
+    format!(
+        "{text}{verdict} on {} postures\n\n{}",
+        found.samples,
+        next_steps::text(next_steps)
+    )
 }
