@@ -22,6 +22,25 @@ const SHEET: usize = 120;
 /// Pairs of links that are named, at most.
 const EXEMPT: usize = 8;
 
+/// What is not checked.
+const WAY: &str = "only the postures are checked, not the way from one to the next";
+
+/// Where the CoP may be.
+fn cop(plan: &Plan) -> String {
+    format!(
+        "{}, with {} standard deviations to spare ({} mm each on average)",
+        plan.cop_region,
+        plan.sigmas,
+        mm(plan.draws.cop_std)
+    )
+}
+
+/// By how much the planned postures are better than random ones, whole percents.
+fn less(plan: &Plan) -> Option<f64> {
+    let (planned, random) = plan.expected_error.zip(plan.expected_error_random)?;
+    Some((100.0 * (1.0 - planned / random)).round())
+}
+
 /// What a posture teaches.
 fn lesson(own: &Lesson) -> Value {
     let number = |x: f64| match own.unit {
@@ -46,7 +65,6 @@ pub fn page(
     command: &str,
 ) -> Result<String, Error> {
     let figure = Value::from_safe_string;
-    let errors = plan.expected_error.zip(plan.expected_error_random);
     // Little of its range tells little of what a joint carries.
     let idle = plan.joints.iter().filter(|joint| {
         let [used, allowed] = [joint.used, joint.limits].map(|[low, high]| high - low);
@@ -81,7 +99,9 @@ pub fn page(
         more => postures.len().saturating_sub(SHEET),
         plan => Serde(plan),
         drawn => plan.drawn(),
-        less => errors.map(|(planned, random)| (100.0 * (1.0 - planned / random)).round()),
+        cop => cop(plan),
+        way => WAY,
+        less => less(plan),
         next => next_steps::context(next),
         idle,
         file,
@@ -108,13 +128,7 @@ pub fn text(plan: &Plan, next: &[Worded]) -> String {
         "{} on {}: {poses} postures of {candidates} candidates",
         plan.robot, plan.support
     );
-    let cop = format!(
-        "{}, with {} standard deviations to spare ({} mm each on average)",
-        plan.cop_region,
-        plan.sigmas,
-        mm(plan.draws.cop_std)
-    );
-    let mut facts = vec![("drawn", plan.drawn()), ("CoP", cop)];
+    let mut facts = vec![("drawn", plan.drawn()), ("CoP", cop(plan))];
     facts.extend(plan.both_feet.iter().map(|feet| ("soles", feet.sentence())));
     facts.push(("revisits", plan.revisits.sentence.clone()));
     facts.push(("ground", plan.clearance.clone()));
@@ -126,8 +140,8 @@ pub fn text(plan: &Plan, next: &[Worded]) -> String {
     }
     facts.push(("prior", plan.prior.clone()));
     if let (Some(error), Some(random)) = (plan.expected_error, plan.expected_error_random) {
-        let less = match 100.0 * (1.0 - error / random) {
-            less if less >= 0.5 => format!("{less:.0} % less"),
+        let less = match less(plan) {
+            Some(less) if less > 0.0 => format!("{less} % less"),
             _ => "here any postures do".to_string(),
         };
         let [error, random, noise] = [error, random, plan.noise].map(mm);
@@ -152,7 +166,6 @@ pub fn text(plan: &Plan, next: &[Worded]) -> String {
         format!("{ordered:.0}° in this order, {chosen:.0}° as chosen (largest joint, summed)");
     facts.push(("motion", motion));
     facts.extend(plan.notes.iter().map(|note| ("note", note.clone())));
-    let way = "only the postures are checked, not the way from one to the next";
-    facts.push(("note", way.to_string()));
+    facts.push(("note", WAY.to_string()));
     format!("{about}\n\n{}{}", lines(facts), next_steps::text(next))
 }

@@ -3,6 +3,7 @@
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
+use super::text::misfit;
 use super::{FitReport, Moved, Shown};
 use crate::report::data::{Data, visits};
 use crate::report::figures::fit as figures;
@@ -44,6 +45,7 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
         physical => found.active_bounds.is_some(),
         misses => found.misses_something(),
         test => found.lack_of_fit.map(Serde),
+        misfit => found.lack_of_fit.map(|test| misfit(found, test.p_value)),
         gain => found.cad_rmse / found.held_out_rmse,
         told => found.parameters.iter().filter(|p| p.source == "data").count(),
         figures => context! {

@@ -12,6 +12,8 @@ use sesc_identify::fit::corrected::Corrected;
 use sesc_identify::fit::{Identification, ParameterFound};
 use sesc_model::text::{minus, visible};
 
+/// A misfit that noise makes less often is one.
+const MISSES: f64 = 1e-3;
 /// Fewer degrees of freedom than this are mentioned.
 const FEW: f64 = 50.0;
 
@@ -65,6 +67,16 @@ pub fn text(found: &Identification, next: &[Worded], long: bool) -> String {
         let _ = writeln!(out, "warning          {warning}");
     }
     out + &next_steps::text(next)
+}
+
+/// What is said of a misfit that noise alone makes with the probability `p`.
+pub(super) fn misfit(found: &Identification, p: f64) -> &'static str {
+    match p {
+        p if p < MISSES => "the model misses something",
+        p if p < 0.05 => "perhaps more than noise",
+        _ if found.misses_something() => "noise explains it, but not what is warned of",
+        _ => "noise explains it",
+    }
 }
 
 /// What cannot be seen; what no such data ever tell only as a number.
@@ -144,14 +156,9 @@ fn facts(found: &Identification) -> (Vec<Fact>, Vec<Fact>) {
     ));
     let mut first = Vec::new();
     if let Some(test) = found.lack_of_fit {
-        let verdict = match test.p_value {
-            p if p < 1e-3 => "the model misses something",
-            p if p < 0.05 => "perhaps more than noise",
-            _ if found.misses_something() => "noise explains it, but not what is warned of below",
-            _ => "noise explains it",
-        };
         let (ratio, chance) = (test.ratio, chance(test.p_value));
-        let text = format!("{ratio:.2} times the noise's mean square ({chance}): {verdict}");
+        let misfit = misfit(found, test.p_value);
+        let text = format!("{ratio:.2} times the noise's mean square ({chance}): {misfit}");
         first.push(("lack of fit", text));
     } else {
         let text =
