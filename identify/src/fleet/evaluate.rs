@@ -176,6 +176,8 @@ impl Evaluation<'_> {
             snapping: self.options.snapping(),
             prior: self.prior(Prior::DEFAULT),
             noise: self.options.noise,
+            // A shift of readings belongs to a log; parameters are compared from day to day.
+            offset: Some(0.0),
             motion: self.options.motion_model(),
             feet: self.options.feet(),
             ..fitting::Request::default()
