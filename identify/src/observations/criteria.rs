@@ -94,6 +94,9 @@ pub mod accelerations {
     /// A joint moves where its acceleration is this many times what noise makes of one, RMS.
     /// Chosen: half of it takes noise of encoders for motion.
     pub const MOVES: f64 = 2.0;
+    /// Joints of which rows leave more of the polynomials are not read by so much noise, but go from
+    /// posture to posture, rad or m. Chosen: four times the noise of markers.
+    pub const NOISIEST: f64 = 0.02;
     /// Where the ground carries less of the weight, or cells less of their median load, a row is no
     /// reading of a CoP. Closed form: noise of the cells moves such a CoP five times as far, ten
     /// times at half of it. Chosen.

@@ -37,7 +37,7 @@ mod tests;
 mod windows;
 
 use super::criteria::accelerations::{
-    BENT, COHERENT, COVERED, LONGEST_OF_SLOW_S, LONGEST_S, MOST_BENT, MOVES,
+    BENT, COHERENT, COVERED, LONGEST_OF_SLOW_S, LONGEST_S, MOST_BENT, MOVES, NOISIEST,
 };
 use std::ops::Range;
 
@@ -197,6 +197,7 @@ impl Plan {
         let moving = self.moving(&nodes);
         let stands = moving.is_none();
         let moving = moving.unwrap_or_else(|| vec![None; dof]);
+        let first = rows.start * dof;
         let parts = by_parts(rows, PART, |rows| {
             let mut motion = Motion::default();
             let mut positions = PositionNoise::new(dof, nodes.rows);
@@ -232,13 +233,21 @@ impl Plan {
             motion.extend(Some(own), rows, dof);
             positions.merge(&noise);
         }
+        let jumps = |std: f64| std > NOISIEST;
+        if stands && positions.of_joints().any(jumps) {
+            return None;
+        }
         if stands {
             motion.known.fill(true);
         }
-        let known = motion.positions_std.iter_mut();
-        known
-            .zip(positions.of_joints().cycle())
-            .for_each(|(std, of_reading)| *std *= of_reading);
+        let known = motion.positions.iter_mut().zip(&mut motion.positions_std);
+        let known = known.zip(&q[first..]).zip(positions.of_joints().cycle());
+        for (((position, std), read), of_reading) in known {
+            *std *= of_reading;
+            if jumps(of_reading) {
+                (*position, *std) = (*read, 0.0);
+            }
+        }
         Some(motion)
     }
 

@@ -75,8 +75,7 @@ fn logs_with_long_intervals_know_no_accelerations() {
     let (t, _) = swing(0.1, 60.0, 0.2);
     let q = noise(t.len(), 0.3);
     let plan = Plan::of(&t, &q, 1).unwrap();
-    let motion = plan.motion((&t, &q, 1), 0..t.len(), Wanted::Changes);
-    assert!(motion.unwrap().gains.iter().all(|gain| *gain == 0.0));
+    assert_eq!(plan.motion((&t, &q, 1), 0..t.len(), Wanted::Changes), None);
 }
 
 /// Rows at the ends and beside a pause have no window, unless the robot stands there.
