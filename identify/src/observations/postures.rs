@@ -362,7 +362,7 @@ impl Postures {
     /// positions.
     ///
     /// ```text
-    /// e² = σ² + f² s²        least squares, f ≤ 1        s: what is said
+    /// e² = σ² + f² s²        least squares, f² and two of its deviations, ≤ 1        s: what is said
     /// ```
     pub fn limit_motion_noise(&mut self, left: &[f64], taken: f64) {
         let Some(moved) = &mut self.moved else { return };
@@ -379,12 +379,16 @@ impl Postures {
             let mean = said.iter().sum::<f64>() / count;
             let spread = said.iter().map(|s| (s - mean) * (s - mean)).sum::<f64>();
             let pull = own.iter().zip(&said).map(|(e, s)| e * e * (s - mean));
+            let size = noise::scale(&own).powi(2);
+            // Squares of normal values scatter by √2 of their mean; what is said stands unless that
+            // is not the reason.
+            let unsure = 2.0 * std::f64::consts::SQRT_2 * size / spread.sqrt();
             let by_motion = match spread > 1e-6 * count * mean * mean {
-                true => (pull.sum::<f64>() / spread).clamp(0.0, 1.0),
+                true => (pull.sum::<f64>() / spread + unsure).clamp(0.0, 1.0),
                 false => 1.0,
             };
             // Odd values do not count.
-            let most = (1.0 - LEAST_PART) * noise::scale(&own).powi(2) / mean;
+            let most = (1.0 - LEAST_PART) * size / mean;
             by_motion.min(most).sqrt()
         });
         if factors == [1.0; 2] {
