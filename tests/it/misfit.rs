@@ -81,13 +81,9 @@ fn an_offset_of_readings_is_no_mass() {
     let world = stage.world().sensor_offset(offset);
     let report = fitted(&stage, &world, 3);
     let found = report.identification.offset.as_ref().expect("an offset");
-    for axis in 0..2 {
-        let off = found.value[axis] - offset[axis];
-        assert!(
-            off.abs() < 3.0 * found.std[axis],
-            "{axis}: {off} ± {}",
-            found.std[axis]
-        );
+    let pairs = offset.iter().zip(found.value).zip(found.std);
+    for ((truth, value), std) in pairs {
+        assert!((value - truth).abs() < 3.0 * std, "{value} ± {std}");
     }
     assert!(asks_for_a_diagnosis(&report.identification));
     let random = &mut ChaCha8Rng::seed_from_u64(4);
