@@ -34,11 +34,6 @@ pub(super) struct ReadingArguments {
     /// Standard deviation of a single reading on one axis, m; from the log unless given
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = values::number("noise"))]
     pub(super) noise: Option<f64>,
-    /// How far all readings may be shifted before a log says so, standard deviation, m: a frame of
-    /// the foot, the corner of a force plate, the zero of a sensor. 0 for not at all; 0.003 or 0.03,
-    /// whichever is likelier, unless given
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = values::number("offset"))]
-    pub(super) offset: Option<f64>,
     /// Compare readings with the ZMP where a log with `t` knows accelerations, or take all as
     /// those of standing postures
     #[arg(long, value_parser = one_of(MOTION), default_value = MOTION[0].0)]
@@ -87,13 +82,22 @@ impl DiagnosisArguments {
         request.angles = self.reading.angles();
         request.prior = self.reading.prior_or(Prior::OF_DIAGNOSES);
         request.noise = self.reading.noise;
-        request.offset = self.reading.offset;
         request.floor = self.floor;
         request.motion = self.reading.motion;
         request.stays = stays.into();
         request.feet = feet.into();
         Ok(request)
     }
+}
+
+/// How far readings may be shifted.
+#[derive(Args)]
+pub(super) struct OffsetArguments {
+    /// How far all readings may be shifted before a log says so, standard deviation, m: a frame of
+    /// the foot, the corner of a force plate, the zero of a sensor. 0 for not at all; 0.003 or 0.03,
+    /// whichever is likelier, unless given
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = values::number("offset"))]
+    pub(super) offset: Option<f64>,
 }
 
 /// What becomes of rows in which the robot holds still.

@@ -64,7 +64,6 @@ const OF_LOGS: &[&str] = &[
     "degrees",
     "prior",
     "noise",
-    "offset",
     "floor",
     "motion",
     "both-feet",

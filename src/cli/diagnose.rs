@@ -8,8 +8,9 @@ use clap::Args;
 use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::{
-    Bar, DiagnosisArguments, FeetArguments, Outcome, RobotArguments, StaysArguments, check_mass,
-    command_line, message, not_written, notes, outputs, print_found, steps,
+    Bar, DiagnosisArguments, FeetArguments, OffsetArguments, Outcome, RobotArguments,
+    StaysArguments, check_mass, command_line, message, not_written, notes, outputs, print_found,
+    steps,
 };
 use crate::Error;
 use crate::report::diagnose::{DiagnoseReport, ModelUse, page, text};
@@ -49,6 +50,8 @@ pub(super) struct Arguments {
     healthy: Vec<PathBuf>,
     #[command(flatten)]
     how: DiagnosisArguments,
+    #[command(flatten)]
+    shift: OffsetArguments,
     #[command(flatten)]
     feet: FeetArguments,
     #[command(flatten)]
@@ -191,6 +194,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     let (log, standing) = (outputs::log(&arguments.data)?, &arguments.robot.standing);
     let how = &arguments.how;
     let mut request = how.request(robot, log, standing, &arguments.feet, &arguments.stays)?;
+    request.offset = arguments.shift.offset;
     let then = arguments.then.iter().map(|path| outputs::log(path));
     request.then = then.collect::<Result<_, _>>()?;
     let healthy = arguments.healthy.iter().map(|path| outputs::log(path));

@@ -10,8 +10,9 @@ use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::values::{DUPLICATES, LOSSES, number, one_of};
 use super::{
-    Bar, FeetArguments, Outcome, ReadingArguments, StandingArguments, StaysArguments, check_mass,
-    command_line, message, not_written, notes, outputs, print_found, print_json,
+    Bar, FeetArguments, OffsetArguments, Outcome, ReadingArguments, StandingArguments,
+    StaysArguments, check_mass, command_line, message, not_written, notes, outputs, print_found,
+    print_json,
 };
 use crate::Error;
 use crate::report::fit::{self as report, FitReport, Shown, Unusable, page};
@@ -46,6 +47,8 @@ pub(super) struct Arguments {
     standing: StandingArguments,
     #[command(flatten)]
     reading: ReadingArguments,
+    #[command(flatten)]
+    shift: OffsetArguments,
     #[command(flatten)]
     stays: StaysArguments,
     #[command(flatten)]
@@ -287,7 +290,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.angles = arguments.reading.angles();
     request.prior = arguments.reading.prior_or(Prior::DEFAULT);
     request.noise = arguments.reading.noise;
-    request.offset = arguments.reading.offset;
+    request.offset = arguments.shift.offset;
     request.robust = arguments.robust;
     request.motion = arguments.reading.motion;
     request.stays = (&arguments.stays).into();

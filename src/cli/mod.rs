@@ -30,8 +30,8 @@ use std::process::ExitCode;
 use std::sync::OnceLock;
 
 use arguments::{
-    DiagnosisArguments, FeetArguments, ReadingArguments, RobotArguments, StandingArguments,
-    StaysArguments,
+    DiagnosisArguments, FeetArguments, OffsetArguments, ReadingArguments, RobotArguments,
+    StandingArguments, StaysArguments,
 };
 use clap::error::{ContextKind, ErrorKind};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
