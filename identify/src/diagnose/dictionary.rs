@@ -157,12 +157,15 @@ impl Dictionary {
         let left = problem.project_out_one(problem.masses(&[]), &null.residual());
         let b = self.slopes.columns(own.from, own.count).tr_mul(&left);
         let gain = b.dot(&a.clone().cholesky()?.solve(&b));
+        // Free masses take all of an offset: then data say nothing of it.
+        let tells = |std: f64| (0..own.count).all(|k| std * std * a[(k, k)] > 1.0);
         let price = |std: &f64| {
             let mut held = a.clone();
             (0..own.count).for_each(|k| held[(k, k)] += 1.0 / (std * std));
             let factor = held.cholesky()?;
             let log_det = factor.l_dirty().diagonal().map(|x| (x * std).ln()).sum();
-            Some(gain - b.dot(&factor.solve(&b)) + 2.0 * log_det)
+            let price = gain - b.dot(&factor.solve(&b)) + 2.0 * log_det;
+            (tells(*std) && price > 0.0).then_some(price)
         };
         let price = problem
             .offset_stds
