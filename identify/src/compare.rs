@@ -29,6 +29,9 @@ use crate::svd::symmetric_eigen;
 /// A difference that chance makes more often than this is none. Chosen: it is the rate of false
 /// alarms itself (closed form).
 const CHANCE: f64 = 0.01;
+/// A chance below this is said to be below it, for further digits of it mean nothing. Chosen: it
+/// changes a sentence alone.
+const LEAST_CHANCE: f64 = 1e-12;
 
 /// A number in both models.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -363,9 +366,8 @@ fn sentence(found: &Comparison) -> String {
         Some(chance) if chance < CHANCE => format!(
             "The masses' parameters differ by more than chance: without a change a difference \
              like this has a probability {}.",
-            // Further digits mean nothing. Chosen: it changes a sentence alone.
-            match chance < 1e-12 {
-                true => "below 1e-12".to_string(),
+            match chance < LEAST_CHANCE {
+                true => format!("below {LEAST_CHANCE:e}"),
                 false => format!("of {chance:.1e}"),
             }
         ),

@@ -13,6 +13,12 @@ use sesc_runtime::{Simd, power, trig};
 /// The support frame's.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
+/// Sines and cosines, velocities, accelerations, parameters and a direction.
+const MOST_ARGUMENTS: usize = 6;
+
+/// Additions that take as long as a sine with its cosine, a division or a power.
+const LONG_OPERATION: usize = 20;
+
 /// One function of a model, ready for batches of postures.
 ///
 /// ```
@@ -88,8 +94,7 @@ impl Evaluator {
             tape: Tape::new(program),
             given,
             entries: program.inputs.first().map_or(0, |array| array.len),
-            // Additions that take as long as a sine with its cosine, a division or a power.
-            operations: arithmetic + 20 * (counts.sin_cos + counts.other),
+            operations: arithmetic + LONG_OPERATION * (counts.sin_cos + counts.other),
             prismatic: model.tree.dofs.iter().map(|dof| dof.prismatic).collect(),
             moving: [Argument::Velocities, Argument::Accelerations].map(takes),
             still: vec![0.0; model.dof()],
@@ -167,8 +172,7 @@ impl Evaluator {
             }
         };
         // A call of one posture is shorter than to ask for memory a few times.
-        // Sines and cosines, velocities, accelerations, parameters and a direction.
-        let mut places = [Values::Shared(&[]); 6];
+        let mut places = [Values::Shared(&[]); MOST_ARGUMENTS];
         let params = [self.params.as_deref().map(Values::Shared)];
         let taken = motion.into_iter().zip(self.moving);
         let moving = taken.map(|(values, takes)| takes.then_some(values));

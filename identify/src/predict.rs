@@ -359,6 +359,9 @@ impl Evaluators {
     }
 }
 
+/// Postures that are looked at: from twice as many on, every other one of them is let go.
+const POSTURES: usize = 2000;
+
 /// Postures of a log on one support, evenly chosen.
 struct Soles {
     other: OtherFoot,
@@ -385,9 +388,7 @@ impl Soles {
                 self.q.extend(posture);
             }
             self.rows += 1;
-            // Postures that are looked at: from twice as many on, every other one of them is let
-            // go.
-            if self.q.len() >= 2 * 2000 * dof {
+            if self.q.len() >= 2 * POSTURES * dof {
                 let all = std::mem::take(&mut self.q);
                 let kept = all.chunks_exact(dof).step_by(2);
                 self.q = kept.flatten().copied().collect();

@@ -29,6 +29,8 @@ pub(super) enum Term {
     Masses,
 }
 
+/// Unknowns of the noise of two widths: its share and its width.
+const OUTLIER_UNKNOWNS: usize = 2;
 /// The name of free masses in reports, rows and files.
 pub const FREE_MASSES: &str = FREED.0;
 /// Names and subjects of terms that are no effects.
@@ -113,8 +115,7 @@ impl Term {
     /// Number of unknowns that the penalty counts.
     pub(super) fn penalised_unknowns(&self, context: &EffectContext) -> usize {
         match self {
-            // Unknowns of the noise of two widths: its share and its width.
-            Term::Outliers => 2,
+            Term::Outliers => OUTLIER_UNKNOWNS,
             _ => self.unknowns(context),
         }
     }

@@ -19,6 +19,9 @@ use super::problem::{Fit, Problem};
 use super::{criteria, held_out};
 use crate::feet::ClosureFound;
 
+/// Suspects that are listed.
+const LISTED: usize = 3;
+
 /// χ² of what is left against what noise leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Misfit {
@@ -85,8 +88,7 @@ pub(super) fn suspects(problem: &Problem, fit: &Fit) -> Vec<(Suspect, f64)> {
     }
     found.retain(|(_, share)| *share > 0.0);
     found.sort_by(|a, b| b.1.total_cmp(&a.1));
-    // Suspects that are listed.
-    found.truncate(3);
+    found.truncate(LISTED);
     found
 }
 

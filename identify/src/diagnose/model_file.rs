@@ -32,6 +32,9 @@ use crate::Error;
 use crate::lsq::solve::information;
 use crate::observations::postures::rms;
 
+/// Rounds, at most.
+const ROUNDS: usize = 12;
+
 /// Parameters as the masses' prior and the data have them, and every effect of
 /// the explanation `best` that a model can hold; the logs are added by the caller.
 pub(super) fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
@@ -170,8 +173,7 @@ pub(super) fn settle<'p, 'm>(problem: &'p Problem<'m>, fit: &Fit) -> (Cow<'p, Pr
         }
     }
     let (mut about, mut part) = (problem.params_of(&best), 1.0);
-    // Rounds, at most.
-    for _ in 0..12 {
+    for _ in 0..ROUNDS {
         let own = linearised(problem, &best, &about);
         let next = own.fit(&fit.terms, Some(&best), ALL);
         let settled = !loose && agrees(problem, &own, &next);

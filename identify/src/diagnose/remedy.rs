@@ -35,6 +35,11 @@ use crate::fit::prior::{Prior, Tolerances};
 use crate::robot::Robot;
 use crate::{Error, Setting, message};
 
+/// Base parameters that move less leave the masses as they are written, m.
+const SETTLED: f64 = 1e-9;
+/// A CoM further from its link is what is left of two masses that cancel, m.
+const FAR: f64 = 10.0;
+
 /// What a tick of a joint's servo means: `q = sign (ticks − zero) step`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Servo {
@@ -310,8 +315,7 @@ pub fn of_model_file(
     let params = file.values();
     let moved = params.iter().zip(model.cad_params());
     let moved = moved.map(|(to, from)| (to - from).abs());
-    // Base parameters that move less leave the masses as they are written, m.
-    if moved.fold(0.0, f64::max) > 1e-9 || scale != 1.0 {
+    if moved.fold(0.0, f64::max) > SETTLED || scale != 1.0 {
         match towards(robot, model, snapping, (&params, None), prior, total_mass)? {
             Ok(corrected) => text = corrected.text,
             Err(reason) => left_out.push(format!(
@@ -372,8 +376,7 @@ fn without(description: &Description, load: &Load) -> Result<Vec<Option<Weight>>
         let (mass, com) = (link.inertial.mass_kg, link.inertial.origin.xyz);
         let mass_kg = mass + load.mass_kg;
         let com_m = [0, 1, 2].map(|k| (mass * com[k] + load.mass_kg * load.at_m[k]) / mass_kg);
-        // A CoM further from its link is what is left of two masses that cancel, m.
-        let there = com_m.iter().all(|x| x.abs() <= 10.0);
+        let there = com_m.iter().all(|x| x.abs() <= FAR);
         match mass_kg >= FLOOR * mass && mass_kg > 0.0 && there {
             true => Ok(Weight { mass_kg, com_m }),
             false => Err(format!(

@@ -14,6 +14,9 @@ use super::prior::Prior;
 use crate::robot::Robot;
 use crate::{Error, Setting, message};
 
+/// Base parameters of the corrected robot may be off by this, m.
+const EXACT: f64 = 1e-11;
+
 /// A corrected description.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -106,8 +109,7 @@ pub(crate) fn towards(
     let again = Robot::parse(&text, file)?.model(model.support(), snapping, None)?;
     let params = DVector::from_column_slice(params);
     let off = (DVector::from_vec(again.cad_params()) - params).amax();
-    // Base parameters of the corrected robot may be off by this, m.
-    if off.is_nan() || off > 1e-11 {
+    if off.is_nan() || off > EXACT {
         return Ok(Err(format!(
             "the masses found give them only to {off:.1e} m"
         )));

@@ -107,6 +107,11 @@ pub struct Gathered {
     pub(super) stream: Stream,
 }
 
+/// One row in this many of a long log is also counted as it is, beside independent samples.
+const PLAIN: usize = 4;
+/// Down-weighted postures that are listed, at most.
+const LISTED: usize = 1000;
+
 impl Gathered {
     /// Sums without data, for `params` parameters and `folds` folds.
     pub fn new(params: usize, folds: usize) -> Gathered {
@@ -249,9 +254,7 @@ impl Gathered {
             let t = block.t.as_deref().unwrap_or_default();
             let independent = self.stream.push(t, &rows, &keys, &std, &trust);
             self.deal_independent(&independent, folding);
-            // One row in this many of a long log is also counted as it is, beside independent
-            // samples.
-            let every = if self.stream.timing.long { 4 } else { 1 };
+            let every = if self.stream.timing.long { PLAIN } else { 1 };
             let plain = (0..block.len()).filter(|k| (first + k).is_multiple_of(every));
             let plain = plain.flat_map(|k| rows_of(k).map(|row| (keys[k], row, 1.0)));
             self.deal(rows, plain, folding, |_| Goal::Plain);
@@ -380,8 +383,7 @@ impl Gathered {
     ) {
         let residual = rows.residual(params);
         for (k, &weight) in weights.iter().enumerate() {
-            // Down-weighted postures that are listed, at most.
-            if weight < 0.5 && self.down_weighted.len() < 1000 {
+            if weight < 0.5 && self.down_weighted.len() < LISTED {
                 self.down_weighted.push(DownWeighted {
                     file: file.to_string(),
                     line: block.line[k],

@@ -8,10 +8,13 @@ use sesc_model::urdf::{self, Extent};
 
 use crate::robot::Robot;
 
+/// Least room of a generous box on each side, m.
+const ROOM: f64 = 0.1;
+
 /// Bounds of physical masses: none far below CAD's, and each CoM inside a box.
 ///
 /// Where the URDF gives no shape of known size, the box is generous: around the link's
-/// frame, its joints and CAD's CoM, and on each side as much again (0.1 m at least).
+/// frame, its joints and CAD's CoM, and on each side as much again (`ROOM` at least).
 /// Without it a mass of nothing could sit in the next town.
 #[derive(Debug, Clone, Default)]
 pub struct Limits {
@@ -51,8 +54,7 @@ impl Limits {
                 extent = extent.holding(joint.origin.xyz);
             }
             let sides = [0, 1, 2].map(|axis| extent.high[axis] - extent.low[axis]);
-            // Least room of a generous box on each side, m.
-            let room = sides.into_iter().fold(0.1, f64::max);
+            let room = sides.into_iter().fold(ROOM, f64::max);
             let wide = Extent {
                 low: extent.low.map(|x| x - room),
                 high: extent.high.map(|x| x + room),

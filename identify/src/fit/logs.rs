@@ -24,6 +24,18 @@ use crate::robot::Robot;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
 
+/// Residuals kept to take a median of.
+const SAMPLE: usize = 100_000;
+/// Rounds of reweighting, at most.
+const ROUNDS: usize = 20;
+/// Part of the readings that reweighting leaves at least. The scale comes from the median, so
+/// that half of sound readings keep nearly all their weight.
+const LEAST_LEFT: f64 = 0.25;
+/// Change of predicted readings at which reweighting ends, in units of their scale.
+const SETTLED: f64 = 1e-4;
+/// Longer logs are recordings: no postures are proposed to be reached once more.
+const ROWS_OF_POSTURES: u64 = 20_000;
+
 /// The logs of a request, without rows that cannot be used.
 pub(super) struct Logs<'r> {
     request: &'r Request,
@@ -158,8 +170,7 @@ impl<'r> Logs<'r> {
         let mut params = free.params;
         // What a fit takes up does not show in its residuals.
         let mut taken = free.rank as f64;
-        // Rounds of reweighting, at most.
-        for _ in 0..20 {
+        for _ in 0..ROUNDS {
             if rows - taken < TO_SEE_OUTLIERS {
                 let few = format!(
                     ": {rows} rows for {taken:.0} parameters leave nothing to tell an outlier by; \
@@ -176,9 +187,7 @@ impl<'r> Logs<'r> {
             let weights = Some((&robust, &params));
             gathered = self.pass(measurement, weights, "reweighting", watch)?;
             let left = gathered.trusted / gathered.readings.max(1) as f64;
-            // Part of the readings that reweighting leaves at least. The scale comes from the
-            // median, so that half of sound readings keep nearly all their weight.
-            if left.is_nan() || left < 0.25 {
+            if left.is_nan() || left < LEAST_LEFT {
                 let few = format!(
                     ": it leaves {:.0} % of {} readings, so that they are not readings with \
                      outliers; look at the log, or fit without ",
@@ -196,8 +205,7 @@ impl<'r> Logs<'r> {
             taken = (&r * &next.covariance * r.transpose()).trace() / (scale * scale);
             let rms = (&r * (&next.params - &params)).norm() / rows.sqrt();
             params = next.params;
-            // Change of predicted readings at which reweighting ends, in units of their scale.
-            if rms <= 1e-4 * scale {
+            if rms <= SETTLED * scale {
                 break;
             }
         }
@@ -214,8 +222,7 @@ impl<'r> Logs<'r> {
             _ => return Ok(None),
         };
         let first = self.samples.first();
-        // Longer logs are recordings: no postures are proposed to be reached once more.
-        let Some(log) = first.filter(|_| gathered.readings <= 20_000) else {
+        let Some(log) = first.filter(|_| gathered.readings <= ROWS_OF_POSTURES) else {
             return Ok(None);
         };
         let model = self
@@ -332,8 +339,7 @@ impl<'r> Logs<'r> {
         let mut lengths: Vec<f64> = Vec::new();
         for logged in self.moving() {
             let (_, mut reader) = logged?;
-            // Residuals kept to take a median of.
-            while lengths.len() < 100_000 {
+            while lengths.len() < SAMPLE {
                 let (block, motion) = reader.known_rows(BLOCK)?;
                 if block.is_empty() {
                     break;

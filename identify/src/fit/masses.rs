@@ -24,6 +24,13 @@ use crate::tolerances::{LinkBlocks, from_columns};
 
 /// A link keeps at least this part of the mass CAD gives it.
 pub const FLOOR: f64 = 0.01;
+/// A link that must get mass though CAD gives it none may weigh this part of the mean link.
+const NEW_LINK: f64 = 0.1;
+/// Links with a mass whose masses are searched, at most: four unknowns each, and matrices of all
+/// by all of them.
+const MOST_LINKS: usize = 1000;
+/// Where its mass may be about its origin: one standard deviation, m.
+const NEW_SPREAD: f64 = 0.05;
 
 /// Masses and first moments of all links around CAD, in units of its tolerances.
 pub struct Space<'m> {
@@ -60,10 +67,9 @@ impl<'m> Space<'m> {
     /// Why masses of so many links are not searched.
     pub fn new(model: &'m Model, tolerances: &Tolerances) -> Result<Space<'m>, String> {
         let count = model.tree.links.iter().filter(|l| l.mass > 0.0).count();
-        // Four unknowns each, and matrices of all by all of them.
-        if count > 1000 {
+        if count > MOST_LINKS {
             return Err(format!(
-                "the search for masses takes 1000 links, and {count} have a mass; give \
+                "the search for masses takes {MOST_LINKS} links, and {count} have a mass; give \
                  links that are rigid together one mass"
             ));
         }
@@ -75,14 +81,12 @@ impl<'m> Space<'m> {
         let mut of_standard = tolerances.of_standard(model);
         let mut new = Vec::new();
         let heavy = model.tree.links.iter().filter(|link| link.mass > 0.0);
-        // A link that must get mass though CAD gives it none may weigh this part of the mean link.
-        let mass = 0.1 / heavy.count().max(1) as f64;
+        let mass = NEW_LINK / heavy.count().max(1) as f64;
         for body in model.chain.bodies.iter().filter(|body| body.mass == 0.0) {
             let own = |k: &&usize| model.tree.links[**k].name == body.name;
             if let Some(&k) = body.links.iter().find(own) {
                 let block = of_standard.0.entry(k).or_default();
-                // Where its mass may be about its origin: one standard deviation, m.
-                let com = mass * 0.05;
+                let com = mass * NEW_SPREAD;
                 block.set_diagonal(&Vector4::new(mass, com, com, com));
                 new.push(k);
             }

@@ -34,6 +34,8 @@ use crate::{Error, Message, Setting, message};
 
 /// First words of every file of this kind, with the version of its layout.
 pub(super) const FORMAT: &str = "sesc factor 5";
+/// A part is at most so many times larger unpacked, beyond a mebibyte.
+const PACKED: u64 = 64;
 
 /// A contribution to a fit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -324,8 +326,7 @@ struct Kind {
 
 /// A part from its bytes.
 fn read(bytes: &[u8]) -> Result<Part, String> {
-    // A part is at most so many times larger unpacked, beyond a mebibyte.
-    let most = (1 << 20) + 64 * bytes.len() as u64;
+    let most = (1 << 20) + PACKED * bytes.len() as u64;
     let mut text = Vec::new();
     let mut unpacked = GzDecoder::new(bytes).take(most + 1);
     if let Err(error) = unpacked.read_to_end(&mut text) {

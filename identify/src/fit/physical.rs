@@ -6,7 +6,7 @@
 //! ```
 //!
 //! [lo, hi] is the box of a link ([`super::limits`]). When the plain fit breaks no
-//! bound it is the answer. A free fit has a prior a hundred times wider than CAD
+//! bound it is the answer. A free fit has a prior [`WEAK`] times wider than CAD
 //! usually is, and only where a bound is active: there it settles what data leave
 //! open. Standard deviations stay those of the plain fit: what bounds add is not
 //! counted.
@@ -19,6 +19,10 @@ use super::masses::{Masses, Space};
 use super::prior::Prior;
 use crate::lsq::factor::Factor;
 use crate::lsq::inequality::{Linear, NoAnswer};
+
+/// Tolerances of a free fit, in units of the usual ones: masses to ten times their
+/// own, CoMs to half a metre.
+pub const WEAK: f64 = 100.0;
 
 /// A fit within bounds.
 #[derive(Debug, Clone)]
@@ -41,9 +45,7 @@ pub fn constrain(
     plain: &DVector<f64>,
 ) -> Result<Physical, String> {
     let free = matches!(prior, Prior::Free);
-    // Tolerances of a free fit, in units of the usual ones: masses to ten times their own, CoMs to
-    // half a metre.
-    let width = if free { 100.0 } else { 1.0 };
+    let width = if free { WEAK } else { 1.0 };
     let space = Space::new(model, &prior.tolerances())?;
     // No bound is felt when masses of the plain fit keep them all: for a prior, its
     // own most likely ones; without, any.

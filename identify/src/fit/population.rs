@@ -18,6 +18,9 @@ use crate::tolerances::from_columns;
 /// The newest format of files of tolerances and populations that is read.
 pub(super) const FORMAT: u32 = 1;
 
+/// Eigenvalues below this, relative to the largest, are rounding.
+const ROUNDING: f64 = 1e-14;
+
 /// Mean and covariance of the base parameters of robots of one URDF on one support.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -106,8 +109,7 @@ impl Population {
         let even = (&covariance + covariance.transpose()) * 0.5;
         let axes = even.try_symmetric_eigen(f64::EPSILON, 10_000)?;
         let largest = axes.eigenvalues.max();
-        // Eigenvalues below this, relative to the largest, are rounding.
-        let least = 1e-14 * largest * n as f64;
+        let least = ROUNDING * largest * n as f64;
         if largest < 0.0 || axes.eigenvalues.iter().any(|value| *value < -1e3 * least) {
             return None;
         }

@@ -14,6 +14,8 @@ use crate::observations::row_matrix::RowMatrix;
 use crate::observations::{grouping, noise};
 use crate::simulate::Simulator;
 
+/// The largest correlations that are listed, at most.
+const CORRELATIONS: usize = 20;
 /// Postures over which errors are expected.
 const SAMPLES: usize = 2000;
 
@@ -237,8 +239,7 @@ pub(super) fn correlations(model: &Model, covariance: &DMatrix<f64>) -> Vec<Corr
         }
     }
     all.sort_by(|x, y| y.correlation.abs().total_cmp(&x.correlation.abs()));
-    // The largest correlations that are listed, at most.
-    all.truncate(20);
+    all.truncate(CORRELATIONS);
     all
 }
 

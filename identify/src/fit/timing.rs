@@ -2,7 +2,7 @@
 //! on which axis it is larger; and whether readings show the motion of the joints.
 //!
 //! Rows are made independent as they are read, so this has to be known before: a fit of
-//! free masses to the first rows tells, at the cost of reading those twice.
+//! free masses to the first `ROWS` rows tells, at the cost of reading those twice.
 
 use super::criteria::{HELD_OUT_TIMES, MOST_APART, ROWS_OF_STAY, TO_KNOW_NOISE};
 use std::collections::BTreeMap;
@@ -24,6 +24,9 @@ use crate::observations::postures::{HEAD, rms};
 use crate::observations::repeats::{Group, Repeats};
 use crate::observations::row_matrix::RowMatrix;
 use crate::observations::rows::{Measurement, Rows};
+
+/// Rows that the share of motion is taken from, at most.
+const OF_SHARE: usize = 4000;
 
 /// The noise of a log in time, and its motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -182,8 +185,7 @@ impl Head {
     /// What motion adds to some of the rows, over their deviations, and of how many rows each
     /// is one; readings less those of `cad`.
     fn column(&self, cad: &DVector<f64>) -> (Column, f64) {
-        // Rows that the share of motion is taken from, at most.
-        let stride = self.rows.div_ceil(4000).max(1);
+        let stride = self.rows.div_ceil(OF_SHARE).max(1);
         let axes = [self.axis(0), self.axis(1)];
         let of = |row: usize| (row / 2 * stride, row % 2);
         let n = 2 * self.rows.div_ceil(stride);

@@ -101,6 +101,9 @@ const fn column(
     }
 }
 
+/// More columns than any robot has joints and readings.
+const MOST: usize = 20_000;
+
 /// Where the wanted columns are: `numbers` lists columns of numbers in the
 /// order a source delivers them, the ranges are positions in that list.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -139,10 +142,9 @@ impl Columns {
     ) -> Result<Columns, Message> {
         let (header, factors, note) = named(header, dofs);
         check_joints(dofs)?;
-        // More than any robot has joints and readings.
-        if header.len() > 20_000 {
+        if header.len() > MOST {
             return Err(format!(
-                "{} columns; a log has one per joint and reading, 20000 at most",
+                "{} columns; a log has one per joint and reading, {MOST} at most",
                 header.len()
             )
             .into());

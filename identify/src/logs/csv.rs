@@ -191,8 +191,7 @@ impl CsvSource {
     fn take_rows(&mut self, most: usize) -> Result<bool, Error> {
         self.rows.clear();
         let mut bytes = 0;
-        // Text and ends of fields that are taken at once, bytes: they stay in the second cache.
-        while self.rows.len() < most && bytes < 1 << 20 {
+        while self.rows.len() < most && bytes < FULL {
             let Some(row) = self.next()? else {
                 return Ok(false);
             };
@@ -216,8 +215,7 @@ impl CsvSource {
     /// What is wrong with the first row that is not what the columns want.
     fn parse(&mut self, columns: &Columns, raw: &mut Raw) -> Result<(), Error> {
         let rows = &self.rows;
-        // Parts that become numbers side by side.
-        let part = rows.len().div_ceil(4).max(1);
+        let part = rows.len().div_ceil(PARTS).max(1);
         let parts = by_parts(0..rows.len(), part, |part| parse_rows(columns, &rows[part]));
         for part in parts {
             let (poses, numbers) = part.map_err(|fault| self.error(fault))?;
@@ -394,6 +392,10 @@ fn unreadable(error: &io::Error) -> String {
 
 /// A row longer than this is no posture, bytes.
 const LONGEST_ROW: usize = 4 << 20;
+/// Text and ends of fields that are taken at once, bytes: they stay in the second cache.
+const FULL: usize = 1 << 20;
+/// Parts of them that become numbers side by side.
+const PARTS: usize = 4;
 
 const NO_TEXT: &str = "not text; is this a CSV file in UTF-8?";
 

@@ -43,6 +43,9 @@ pub struct LogSource {
     was: Option<Stamp>,
 }
 
+/// Bytes of a pipe, at most.
+const LONGEST_PIPE: u64 = 1 << 29;
+
 /// Where the rows are.
 #[derive(Debug, Clone)]
 pub(super) enum Place {
@@ -89,10 +92,10 @@ impl LogSource {
         {
             let (sidecar, _) = self.sidecar()?;
             let failed = |source| Error::read(self.name.clone(), source);
-            let (mut bytes, most) = (Vec::new(), 512 << 20);
-            let mut pipe = File::open(path).map_err(failed)?.take(most + 1);
+            let mut bytes = Vec::new();
+            let mut pipe = File::open(path).map_err(failed)?.take(LONGEST_PIPE + 1);
             pipe.read_to_end(&mut bytes).map_err(failed)?;
-            if bytes.len() as u64 > most {
+            if bytes.len() as u64 > LONGEST_PIPE {
                 let message = "a pipe of more than 512 MiB; write the log to a file, and give that";
                 return Err(Error::log(self.name.clone(), None, message));
             }

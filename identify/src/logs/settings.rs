@@ -161,6 +161,9 @@ const WRITTEN: [&str; 5] = ["robot", "support", "both_feet", "other_foot", "expe
 /// Unknown keys that are named, at most.
 const WARNED: usize = 12;
 
+/// No foot is so large: cells further out were hardly given in metres, m.
+const FOOT: f64 = 2.0;
+
 /// What a log's sidecar may say.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sidecar {
@@ -315,10 +318,9 @@ impl Sidecar {
             return Err("readings_per_pose is 0; give how many were taken, 1 or more".into());
         }
         for (k, [x, y]) in self.cells.iter().flatten().enumerate() {
-            // No foot is so large: these were hardly given in metres.
-            if !(x.abs() <= 2.0 && y.abs() <= 2.0) {
+            if !(x.abs() <= FOOT && y.abs() <= FOOT) {
                 return Err(format!(
-                    "cell {} at [{x:?}, {y:?}] is more than 2 m from the sole's origin; \
+                    "cell {} at [{x:?}, {y:?}] is more than {FOOT} m from the sole's origin; \
                      give metres",
                     k + 1
                 ));

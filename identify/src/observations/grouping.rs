@@ -91,8 +91,7 @@ pub struct Grouping<T> {
     rows: u32,
 }
 
-/// Some postures, in the order of their first rows, as many as rows of a block: one long list would
-/// be copied where it grows, and leave holes of its size.
+/// Some postures, in the order of their first rows.
 #[derive(Debug, Clone, PartialEq)]
 struct Piece<T> {
     postures: Vec<Posture<T>>,

@@ -21,6 +21,8 @@ use super::repeats::{self, LackOfFit};
 /// Stated deviations below this are taken for it, m: a row that weighs more would drown all others
 /// in rounding, and a noise of zero would leave nothing to weigh a prior against.
 pub const LEAST_STD: f64 = 1e-9;
+/// Rounds of an estimate without odd values.
+const ROUNDS: usize = 10;
 
 /// What a fit without prior leaves over.
 #[derive(Debug, Clone, Copy)]
@@ -207,8 +209,7 @@ pub fn scale(values: &[f64]) -> f64 {
     let inside = 2.0 * normal.cdf(SHOWS) - 1.0;
     let kept = 1.0 - 2.0 * SHOWS * normal.pdf(SHOWS) / inside;
     let mut scale = median / normal.inverse_cdf(0.75);
-    // Rounds of an estimate without odd values.
-    for _ in 0..10 {
+    for _ in 0..ROUNDS {
         let near = sizes.partition_point(|x| *x <= SHOWS * scale);
         let square = sizes[..near].iter().map(|x| x * x).sum::<f64>() / near.max(1) as f64;
         scale = (square / kept).sqrt();
@@ -219,10 +220,10 @@ pub fn scale(values: &[f64]) -> f64 {
 /// How many times wider than normal 95 % intervals those are whose noise was
 /// estimated with `df` degrees of freedom.
 pub fn widening(df: f64) -> f64 {
-    let upper = 0.975;
-    let normal = Normal::standard().inverse_cdf(upper);
+    const UPPER: f64 = 0.975;
+    let normal = Normal::standard().inverse_cdf(UPPER);
     match StudentsT::new(0.0, 1.0, df) {
-        Ok(t) if df < 1e6 => t.inverse_cdf(upper) / normal,
+        Ok(t) if df < 1e6 => t.inverse_cdf(UPPER) / normal,
         _ => 1.0,
     }
 }

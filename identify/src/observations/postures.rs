@@ -33,6 +33,9 @@ mod known;
 use gathering::{Gathering, Motions, Posture};
 use known::Noise;
 
+/// A reading of which a joint took up more tells nothing of the noise; nor does an axis of whose
+/// readings more are such.
+const MOST_SPENT: f64 = 0.75;
 /// First rows of a log, which say of its noise and its motion what holds for all.
 pub(crate) const HEAD: usize = 20_000;
 
@@ -323,19 +326,16 @@ impl Postures {
                 pair[row % 2] * pair[row % 2] / all.max(f64::MIN_POSITIVE)
             })
         };
-        // A reading of which a joint took up more tells nothing of the noise; nor does an axis of
-        // whose readings more are such.
-        let most_spent = 0.75;
         let of_axis = |axis: usize| -> Vec<f64> {
             let own = left.iter().enumerate().skip(axis).step_by(2);
             let own = own.map(|(row, left)| (part(row), left));
-            own.filter(|(part, _)| *part <= most_spent)
+            own.filter(|(part, _)| *part <= MOST_SPENT)
                 .map(|(part, left)| left / (1.0 - part).sqrt())
                 .collect()
         };
         let own = [0, 1].map(of_axis);
         // An axis that is spent has the noise of the other.
-        let least = (1.0 - most_spent) * (left.len() / 2) as f64;
+        let least = (1.0 - MOST_SPENT) * (left.len() / 2) as f64;
         let few = |axis: usize| (own[axis].len() as f64) < least;
         let axes = [0, 1].map(|axis| {
             let of = if few(axis) { 1 - axis } else { axis };

@@ -19,6 +19,8 @@ use crate::NextStep;
 
 /// Postures that are asked for.
 pub const COUNT: usize = 5;
+/// Rows closer in time than this are a recording, s: it has no postures to reach again.
+const RECORDING_S: f64 = 1.0;
 
 /// What a log does not tell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,8 +58,7 @@ impl Again {
         poses: &[i64],
         t: Option<&[f64]>,
     ) -> Option<Again> {
-        // Rows closer in time than this are a recording, s: it has no postures to reach again.
-        let recorded = t.and_then(step).is_some_and(|step| step < 1.0);
+        let recorded = t.and_then(step).is_some_and(|step| step < RECORDING_S);
         if recorded || poses.len() < 2 * COUNT {
             return None;
         }

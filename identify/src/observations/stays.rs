@@ -12,7 +12,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::correlation::{Correlation, step};
 
-/// Rows of at most 40 stays that are looked at.
+/// Stays and rows that are looked at, at most.
+const STAYS: usize = 40;
 const ROWS: usize = 8000;
 
 /// A row: its time and its reading.
@@ -29,7 +30,7 @@ pub struct Stays {
 impl Stays {
     /// One row of the `visit`-th visit of posture `number`.
     pub fn push(&mut self, stay: (usize, u32), t: f64, reading: [f64; 2]) {
-        let room = self.all.len() < 40 && self.rows < ROWS;
+        let room = self.all.len() < STAYS && self.rows < ROWS;
         // One row is no stay.
         if self
             .all

@@ -27,10 +27,17 @@ use super::row_matrix::RowMatrix;
 use crate::evaluate::FASTEST;
 use crate::threads::by_parts;
 
+/// An acceleration that hardly changes the load on the ground, rad/s² or m/s².
+const SMALL: f64 = 1e-3;
 /// Joints are moved by this for differences, rad or m,
 const STEP: f64 = 1e-5;
 /// and the robot by this along its motion, s.
 const STEP_S: f64 = 1e-3;
+
+/// Postures in which it is asked what joints do to the ZMP, at most.
+const LEVERS: usize = 32;
+/// Postures that one thread works on: what a tape says of them stays in its cache.
+const PART: usize = 256;
 
 /// The ZMP of one robot on its support, row by row.
 pub struct Zmp {
@@ -248,8 +255,7 @@ impl Zmp {
         } else {
             self.levers(q)
         };
-        // Postures that one thread works on: what a tape says of them stays in its cache.
-        let parts = by_parts(0..n, 256, |own| {
+        let parts = by_parts(0..n, PART, |own| {
             let of_log = rows.start + own.start..rows.start + own.end;
             let q = &q[own.start * self.dof..own.end * self.dof];
             self.moved_part(q, (motion, of_log), &tilts[own], &levers)
@@ -351,10 +357,7 @@ impl Zmp {
     /// What joints do to the ZMP in postures `q`, on average of some of them.
     fn levers(&self, q: &[f64]) -> Vec<Lever> {
         let (dof, n) = (self.dof, q.len() / self.dof);
-        // Postures in which it is asked what joints do to the ZMP, at most.
-        let some = n.min(32);
-        // An acceleration that hardly changes the load on the ground, rad/s² or m/s².
-        let small = 1e-3;
+        let some = n.min(LEVERS);
         // Each posture as it is, with each joint accelerated, and with each joint moved.
         let each = 1 + 2 * dof;
         let mut postures = Vec::with_capacity(some * each * dof);
@@ -366,7 +369,7 @@ impl Zmp {
                 postures.extend(&q[own..own + dof]);
                 match change {
                     0 => {}
-                    _ if change <= dof => gains[at + change - 1] = small,
+                    _ if change <= dof => gains[at + change - 1] = SMALL,
                     _ => postures[at + change - 1 - dof] += STEP,
                 }
             }
@@ -380,7 +383,7 @@ impl Zmp {
             for (joint, lever) in levers.iter_mut().enumerate() {
                 let shift = own[1 + joint].shift([0.0; 2]);
                 for (axis, shift) in shift.into_iter().enumerate() {
-                    let gain = shift / small;
+                    let gain = shift / SMALL;
                     let moved = own[1 + dof + joint].com[axis] - own[0].com[axis];
                     let position = moved / STEP;
                     lever.gain[axis] += gain * gain / some as f64;

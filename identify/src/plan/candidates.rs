@@ -220,6 +220,8 @@ const ON_FLOOR: f64 = 1e-9;
 const DAMPING: f64 = 1e-9;
 /// How far the soles may be from each other, as parts of how far they are at rest.
 const APART: (f64, f64) = (0.75, 2.0);
+/// The other foot stays on its side: within this angle's cosine of where it is at rest.
+const BESIDE: f64 = 0.7;
 
 /// The other sole of a robot on its support.
 pub(super) struct BothFeet<'m> {
@@ -311,8 +313,7 @@ impl<'m> BothFeet<'m> {
         let at = sole.origin.xy();
         let (far, still) = (at.norm(), self.rest.norm());
         let fits = (APART.0 * still..=APART.1 * still).contains(&far)
-            // The other foot stays on its side: within this angle's cosine of where it is at rest.
-            && at.dot(&self.rest) >= 0.7 * far * still
+            && at.dot(&self.rest) >= BESIDE * far * still
             && sole.rotation[(2, 2)] > 0.0;
         if !fits {
             return None;
@@ -327,6 +328,9 @@ impl<'m> BothFeet<'m> {
         )
     }
 }
+
+/// Close enough to the target, m.
+const NEAR: f64 = 1e-5;
 
 /// What became of the draws.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -499,18 +503,16 @@ impl Sampler<'_> {
         let ranges = &self.scene.limits.ranges;
         let mut still = Vec::with_capacity(open.len());
         for (i, k) in open.into_iter().enumerate() {
-            // Close enough to the target, m.
-            let close_m = 1e-5;
             let drawn = &mut draws[k];
             let miss = drawn.target - Vector2::new(cop[2 * i], cop[2 * i + 1]);
             let j = &jacobian[3 * dof * i..][..2 * dof];
             if let Some(feet) = &self.scene.both_feet {
                 let miss = miss + drawn.share * feet.at(&drawn.q);
                 let off = feet.step(&mut drawn.q, miss, j, ranges);
-                if miss.norm().max(off) > close_m {
+                if miss.norm().max(off) > NEAR {
                     still.push(k);
                 }
-            } else if miss.norm() > close_m {
+            } else if miss.norm() > NEAR {
                 let (x, y) = j.split_at(dof);
                 move_by(&mut drawn.q, miss.into(), [x, y], 1e-6, ranges);
                 still.push(k);

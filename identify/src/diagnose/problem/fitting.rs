@@ -21,6 +21,9 @@ use crate::diagnose::outliers::Outliers;
 use crate::lsq::damped::{self, Expansion, SETTLED};
 use crate::lsq::transposed_times;
 
+/// Rounds in which sides of dead bands and outliers are settled with the rest.
+const ROUNDS: usize = 4;
+
 impl Problem<'_> {
     /// The best fit of a hypothesis from wherever it may be begun, to the postures of the first
     /// block that it may `keep`.
@@ -58,8 +61,7 @@ impl Problem<'_> {
         let mut fit: Option<Fit> = None;
         let mut sides = None;
         let mut outliers: Option<Outliers> = None;
-        // Rounds in which sides of dead bands and outliers are settled with the rest.
-        for round in 0..4 {
+        for round in 0..ROUNDS {
             if slack {
                 if round == 0 {
                     // A width to begin with, else no side matters.

@@ -22,6 +22,8 @@ use crate::skeleton::Skeleton;
 
 /// Postures that a figure shows one by one; evenly chosen of more.
 pub const MOST: usize = 400;
+/// Postures of a small panel; evenly chosen of more.
+const PER_PANEL: usize = 200;
 
 /// One posture: its reading, and what was simulated there.
 #[derive(Debug, Clone, PartialEq)]
@@ -185,8 +187,7 @@ impl DiagnosisView {
 /// Places of `n` postures in a small panel: each among those of the view, and of the log.
 fn of_panel(n: usize) -> impl Iterator<Item = (usize, usize)> {
     let shown = chosen(n, MOST);
-    // Postures of a small panel; evenly chosen of more.
-    let places = chosen(shown.len(), 200).into_iter();
+    let places = chosen(shown.len(), PER_PANEL).into_iter();
     places.map(move |posture| (posture, shown[posture]))
 }
 

@@ -8,6 +8,8 @@ use crate::observations::postures::{range, rms};
 pub const EDGE: f64 = 6.0;
 /// Bins between.
 const BINS: usize = 24;
+/// Squares along the longer side of the map.
+const SQUARES: f64 = 8.0;
 
 /// Whitened residuals, counted.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,8 +87,7 @@ impl Regions {
             .iter()
             .map(|[low, high]| high - low)
             .fold(1e-3, f64::max);
-        // Squares along the longer side of the map.
-        let side = longest / 8.0;
+        let side = longest / SQUARES;
         let counts = ends.map(|[low, high]| ((high - low) / side).ceil().max(1.0) as usize);
         let mut members = vec![Vec::new(); counts[0] * counts[1]];
         for &k in &kept {

@@ -114,6 +114,12 @@ fn panel(subject: String, axis: usize, change: &[f64], residuals: &Residuals) ->
     }
 }
 
+/// Joints that are shown.
+const SHOWN: usize = 6;
+
+/// Moments (Nm) and forces (N) below this are written in thousandths.
+const SMALL: f64 = 0.2;
+
 /// What a residual is drawn against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -202,8 +208,7 @@ pub(super) fn strongest(
         };
         let mut values: Vec<f64> = (0..n).map(|k| factor * all[k * width + j]).collect();
         let unit = match values.iter().fold(0.0, |most: f64, x| most.max(x.abs())) {
-            // Moments (Nm) and forces (N) below this are written in thousandths.
-            most if quantity == Quantity::Moment && most < 0.2 => {
+            most if quantity == Quantity::Moment && most < SMALL => {
                 values.iter_mut().for_each(|x| *x *= 1e3);
                 if joint.prismatic { "mN" } else { "mNm" }
             }
@@ -235,8 +240,7 @@ pub(super) fn strongest(
         ranked.push((step.unwrap_or(usize::MAX), worth[axis], trend));
     }
     ranked.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)));
-    // Joints that are shown.
-    ranked.truncate(6);
+    ranked.truncate(SHOWN);
     ranked.into_iter().map(|(.., trend)| trend).collect()
 }
 

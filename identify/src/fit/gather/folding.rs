@@ -20,6 +20,11 @@ use super::Fold;
 use crate::observations::row_matrix::RowMatrix;
 use crate::threads::processors;
 
+/// Blocks that wait for a thread, at most.
+const WAITING: usize = 1;
+/// Threads, at most: reading takes as long as folding by so many.
+const MOST: usize = 4;
+
 /// What becomes of rows.
 pub(super) enum Goal {
     /// They are weighed; and taken as they are where one number, the deviation that all of a fold
@@ -85,11 +90,9 @@ impl Folding {
         if !self.0.is_empty() {
             return;
         }
-        // Threads, at most: reading takes as long as folding by so many.
-        let count = (processors() - 1).min(4).min(folds.len());
+        let count = (processors() - 1).min(MOST).min(folds.len());
         for worker in 0..count {
-            // Blocks that wait for a thread, at most.
-            let (to, work) = sync_channel::<Arc<Work>>(1);
+            let (to, work) = sync_channel::<Arc<Work>>(WAITING);
             // Where no thread starts, the folds are not lost with it.
             let (hand_over, take) = sync_channel::<Vec<(usize, Fold)>>(1);
             let spawned = Builder::new().name("folds".into()).spawn(move || {

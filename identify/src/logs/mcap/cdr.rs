@@ -8,6 +8,8 @@
 
 use sesc_model::urdf::limits;
 
+const NAME: usize = limits::NAME_BYTES + 1;
+
 /// `std_msgs/msg/Header`
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Header {
@@ -141,8 +143,7 @@ impl<'a> Cdr<'a> {
 
     fn string(&mut self) -> Result<String, String> {
         let length = self.length(1)?;
-        // With its closing zero.
-        if length > limits::NAME_BYTES + 1 {
+        if length > NAME {
             return Err(format!("a message with a name of {length} bytes"));
         }
         let text = self.take(length)?;

@@ -53,6 +53,7 @@ const POINT: &str = "geometry_msgs/msg/PointStamped";
 /// Columns before the joints; a recording without readings has three of them, one of points has
 /// no force.
 const FIRST: [&str; 6] = [POSE, T, SUPPORT, COP[0], COP[1], FZ];
+const T_PLACE: usize = 1;
 const FORCE_PLACE: usize = 5;
 
 /// A reading of the CoP.
@@ -408,8 +409,7 @@ impl RowSource for McapSource {
             raw.other.extend(reading.other);
             let first = self.header.len() - q.len();
             raw.numbers.extend(columns.numbers.iter().map(|&k| match k {
-                // The place of `t` in [`FIRST`].
-                1 => reading.t,
+                T_PLACE => reading.t,
                 _ if k >= first => q[k - first],
                 FORCE_PLACE => reading.force / (1.0 - reading.other.map_or(0.0, |o| o.share)),
                 _ => reading.cop[usize::from(k == FORCE_PLACE - 1)],

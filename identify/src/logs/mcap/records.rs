@@ -25,7 +25,8 @@ use crate::logs::names::short;
 /// images included.
 const LARGEST: usize = 64 << 20;
 
-/// Bytes of names of topics, types and encodings that are kept.
+/// Bytes of one name of a topic, type or encoding, and of all that are kept.
+const NAME: usize = 1024;
 const NAMES: usize = 16 << 20;
 
 /// What a channel carries.
@@ -182,7 +183,7 @@ impl Records {
 fn keep(names: &mut usize, text: &str) -> Result<(), String> {
     *names += text.len();
     match text.len() {
-        length if length > 1024 => Err(format!("a name of {length} bytes; the file is damaged")),
+        length if length > NAME => Err(format!("a name of {length} bytes; the file is damaged")),
         _ if *names > NAMES => Err(format!(
             "topics and types of more than {} MiB; the file is damaged",
             NAMES >> 20

@@ -15,6 +15,14 @@ use super::restricted::{Ar1Process, AxisRows, Likelihood, lasting};
 
 /// Parts of the longest time and shares of lasting noise that are tried at first.
 const TIMES: usize = 10;
+const SHARES: [f64; 5] = [0.05, 0.15, 0.35, 0.6, 0.85];
+/// How often the best is refined.
+const REFINED: usize = 8;
+/// Shares that are told from none and all.
+const LEAST_SHARE: f64 = 0.01;
+/// The shortest time that is tried, in steps; the longest, as a part of the length.
+const SHORTEST: f64 = 0.5;
+const LONGEST: f64 = 0.25;
 
 /// What is known of the noise that lasts, from the rows so far.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,16 +92,14 @@ pub(super) struct Mixture {
 pub(super) fn estimate(rows: &AxisRows) -> Option<Mixture> {
     let (turn, z) = rows.in_basis()?;
     let (n, z) = (z.nrows(), z.transpose());
-    // The shortest time that is tried, in steps; the longest, as a part of the length.
-    let (low, high) = rows.times(0.5, 0.25)?;
+    let (low, high) = rows.times(SHORTEST, LONGEST)?;
     let at = |tau: f64, share: f64| {
         let (z, log_det) = whitened(rows, z.clone(), tau, share);
         Likelihood::of(&(&z * z.transpose()), n, log_det)
     };
     let time = |part: f64| low * (high / low).powf(part.clamp(0.0, 1.0));
     let white = at(0.0, 1.0)?;
-    let grid = (0..=TIMES)
-        .flat_map(|k| [0.05, 0.15, 0.35, 0.6, 0.85].map(|share| (k as f64 / TIMES as f64, share)));
+    let grid = (0..=TIMES).flat_map(|k| SHARES.map(|share| (k as f64 / TIMES as f64, share)));
     let mut best = ((0.0, 0.0), white.value);
     let mut steps = [0.5 / TIMES as f64, 0.1];
     for (part, share) in grid {
@@ -104,8 +110,7 @@ pub(super) fn estimate(rows: &AxisRows) -> Option<Mixture> {
     if best.0.1 == 0.0 {
         return None;
     }
-    // How often the best is refined.
-    for _ in 0..8 {
+    for _ in 0..REFINED {
         let (part, share) = best.0;
         for (part, share) in [
             (part - steps[0], share),
@@ -113,8 +118,7 @@ pub(super) fn estimate(rows: &AxisRows) -> Option<Mixture> {
             (part, share - steps[1]),
             (part, share + steps[1]),
         ] {
-            // Shares that are told from none and all.
-            let share = share.clamp(0.01, 1.0);
+            let share = share.clamp(LEAST_SHARE, 1.0);
             if let Some(tried) = at(time(part), share).filter(|it| it.value > best.1) {
                 best = ((part, share), tried.value);
             }

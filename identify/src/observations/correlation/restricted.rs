@@ -18,8 +18,18 @@ use nalgebra::{DMatrix, DVector};
 use crate::observations::noise::quantile;
 use crate::svd::svd;
 
-/// Correlation times that are tried before the best is refined.
+/// Singular values of the scaled columns of X below this part of the largest are rounding.
+const DEPENDENT: f64 = 1e-6;
+/// Steps whose lengths differ by less than this part are one.
+const ALIKE: f64 = 0.15;
+/// Correlation times that are tried, and how often the best is refined.
 const TRIED: usize = 40;
+const REFINED: usize = 12;
+/// The shortest that is tried, in steps; the longest, as a part of the length.
+const SHORTEST: f64 = 0.2;
+const LONGEST: f64 = 0.5;
+/// 1 − ρ² is no smaller.
+const LEAST: f64 = 1e-12;
 
 /// An AR(1) process that residuals look like.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,8 +126,7 @@ pub(super) fn estimate(rows: &AxisRows) -> Option<Ar1Process> {
         freedom: (sums.rows + 1 - z.ncols()) as f64,
         params: &turn * &found.params,
     };
-    // The shortest that is tried, in steps; the longest, as a part of the length.
-    let Some((low, high)) = rows.times(0.2, 0.5) else {
+    let Some((low, high)) = rows.times(SHORTEST, LONGEST) else {
         return Some(process(0.0, &white));
     };
     let at = |part: f64| low * (high / low).powf(part);
@@ -129,7 +138,7 @@ pub(super) fn estimate(rows: &AxisRows) -> Option<Ar1Process> {
     let grid = grid.map(|part| (of(part), part));
     let mut best = grid.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let mut step = 0.5 / TRIED as f64;
-    for _ in 0..12 {
+    for _ in 0..REFINED {
         for part in [best.1 - step, best.1 + step] {
             let part = part.clamp(0.0, 1.0);
             let tried = of(part);
@@ -170,8 +179,7 @@ impl Sums {
         let mut first = Vec::new();
         for k in 0..n {
             if k > 0 && joined[k] {
-                // Steps whose lengths differ by less than this part are one.
-                let step = (t[k] - t[k - 1]).ln() / 0.15;
+                let step = (t[k] - t[k - 1]).ln() / ALIKE;
                 classes.entry(step.round() as i64).or_default().push(k);
             } else {
                 first.push(k);
@@ -204,8 +212,7 @@ impl Sums {
         let mut log_det = 0.0;
         for lag in &self.lags {
             let rho = lasting(lag.length / lag.count, tau);
-            // 1 − ρ² is no smaller.
-            let left = (1.0 - rho * rho).max(1e-12);
+            let left = (1.0 - rho * rho).max(LEAST);
             log_det += lag.count * left.ln();
             all += (&lag.here - &lag.cross * rho + &lag.before * (rho * rho)) / left;
         }
@@ -252,8 +259,7 @@ pub(super) fn basis(x: &DMatrix<f64>) -> DMatrix<f64> {
     let Some(v) = svd.v_t else {
         return DMatrix::zeros(x.ncols(), 0);
     };
-    // Singular values of the scaled columns of X below this part of the largest are rounding.
-    let least = 1e-6 * svd.singular_values.max();
+    let least = DEPENDENT * svd.singular_values.max();
     let kept: Vec<usize> = (0..svd.singular_values.len())
         .filter(|&k| svd.singular_values[k] > least)
         .collect();

@@ -30,6 +30,9 @@ use super::restricted::lasting;
 /// Rows further apart than this many ordinary steps are not neighbours.
 pub const GAP: f64 = 4.0;
 
+/// Windows of less than this part of the longest's rows are cut short.
+const WHOLE: f64 = 0.75;
+
 /// How rows are cut into windows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cut {
@@ -72,8 +75,7 @@ impl Cut {
 pub(super) fn whole(t: &[f64], cut: Cut) -> Vec<Range<usize>> {
     let mut windows = cut.windows(t);
     let longest = windows.iter().map(Range::len).max().unwrap_or(0);
-    // Windows of less than this part of the longest's rows are cut short.
-    windows.retain(|window| window.len() as f64 >= 0.75 * longest as f64);
+    windows.retain(|window| window.len() as f64 >= WHOLE * longest as f64);
     windows
 }
 

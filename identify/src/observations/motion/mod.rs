@@ -48,14 +48,18 @@ use polynomials::{HIGH, Polynomials};
 pub use smooth::Smooth;
 use windows::{FEWEST, Nodes};
 
-/// Coefficients of the polynomial of order 3.
+/// Coefficients of the polynomials of order 3, and of one to a side.
 const LOW: usize = 4;
+const EDGE: usize = 3;
 /// Rows that one thread works on.
 const PART: usize = 512;
 /// Windows that settle the order, at most.
 const LOOKED_AT: usize = 400;
 /// What order 4 bends where order 3 bends β, over β²: 0.00126 (ω h)⁴ over ((ω h)²/14)².
 const OF_HIGH: f64 = 0.25;
+
+/// What a window leaves of the noise of its own row at least, as a part.
+const LEAST_LEFT: f64 = 0.2;
 
 /// How the joints of a log are differentiated.
 #[derive(Debug, Clone, PartialEq)]
@@ -285,8 +289,7 @@ impl Plan {
             return (None, true);
         }
         let whole = nodes.reaches(node, &around, self.half);
-        // One side settles a polynomial of order 2.
-        let terms = if whole { self.terms } else { 3 };
+        let terms = if whole { self.terms } else { EDGE };
         let fit = Polynomials::fit(nodes, node, around, terms);
         let known = whole && fit.is_some();
         (fit, known)
@@ -405,8 +408,7 @@ impl PositionNoise {
 
     /// Row `q`, `after` seconds from a node at `origin`.
     fn add(&mut self, fit: &Polynomials, after: f64, q: &[f64], origin: impl Fn(usize) -> f64) {
-        // What a window leaves of the noise of its own row at least, as a part.
-        let left = (1.0 - fit.own / self.rows).max(0.2);
+        let left = (1.0 - fit.own / self.rows).max(LEAST_LEFT);
         for (joint, square) in self.squares.iter_mut().enumerate() {
             let off = q[joint] - origin(joint) - fit.position(joint, after);
             *square += off * off / left;

@@ -9,6 +9,11 @@ use super::windows::Nodes;
 
 /// Coefficients of the polynomial of order 4, the highest.
 pub(super) const HIGH: usize = 5;
+/// A pivot of the normal equations, per coefficient, below which nodes do not settle them.
+const SINGULAR: f64 = 1e-9;
+
+/// Nodes' worth of what a whole log says of their noise, beside those of a window.
+const SHARED: f64 = 10.0;
 
 /// The polynomials of all joints about a node.
 pub(super) struct Polynomials {
@@ -109,10 +114,8 @@ impl Polynomials {
     /// Deviation of the acceleration of a joint whose nodes have this `variance` in all of the
     /// log: few nodes alone say little of it.
     pub fn gain_std(&self, joint: usize, variance: f64) -> f64 {
-        // Nodes' worth of what the whole log says of their noise, beside those of the window.
-        let shared = 10.0;
-        let left = self.left[joint].max(0.0) + shared * variance;
-        (left / (self.spare + shared)).sqrt() * self.weight
+        let left = self.left[joint].max(0.0) + SHARED * variance;
+        (left / (self.spare + SHARED)).sqrt() * self.weight
     }
 
     fn of(&self, joint: usize) -> [f64; HIGH] {
@@ -123,8 +126,7 @@ impl Polynomials {
 /// The inverse of the leading block of a positive definite matrix of `moments`, by L D Lᵀ; none
 /// of another.
 fn inverse(moments: &[f64; 2 * HIGH - 1], terms: usize) -> Option<[[f64; HIGH]; HIGH]> {
-    // A pivot of the normal equations, per coefficient, below which nodes do not settle them.
-    let least = 1e-9 * terms as f64;
+    let least = SINGULAR * terms as f64;
     let (mut lower, mut pivots) = ([[0.0; HIGH]; HIGH], [1.0; HIGH]);
     for column in 0..terms {
         let own: [f64; HIGH] = array::from_fn(|k| lower[column][k] * pivots[k]);

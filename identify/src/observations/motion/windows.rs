@@ -6,10 +6,16 @@ use sesc_runtime::F64x8;
 
 use crate::observations::correlation::GAP;
 
+/// Halves of windows, s.
+const HALVES_S: [f64; 4] = [0.15, 0.3, 0.6, 1.2];
+/// Rows of a window on either side where they are far apart.
+const SIDE: f64 = 3.4;
 /// Rows are averaged over this part of half a window.
 const NODE: f64 = 0.05;
 /// Nodes of a whole window, at least: one beyond the five coefficients of order 4.
 pub(super) const FEWEST: usize = 6;
+/// Part of half a window that rows must span on either side.
+const SPANNED: f64 = 0.55;
 
 /// Rows averaged over a few milliseconds, and the windows around them.
 pub(super) struct Nodes {
@@ -116,10 +122,8 @@ impl Nodes {
     pub fn reaches(&self, node: usize, around: &Range<usize>, least: f64) -> bool {
         let here = self.t[node];
         let sides = [here - self.t[around.start], self.t[around.end - 1] - here];
-        // Part of half a window that rows must span on either side.
-        let spanned = 0.55;
-        sides[0].min(sides[1]) >= spanned * least
-            && sides[0].max(sides[1]) >= spanned * self.half
+        sides[0].min(sides[1]) >= SPANNED * least
+            && sides[0].max(sides[1]) >= SPANNED * self.half
             && around.len() >= FEWEST
     }
 
@@ -136,11 +140,7 @@ impl Nodes {
 /// Halves of the windows that rows `step_s` apart may have, the shortest first, s; stamps that
 /// jitter leave the outermost rows inside.
 pub(super) fn halves(step_s: f64) -> Vec<f64> {
-    // Halves of windows, s.
-    // Rows of a window on either side where they are far apart.
-    let mut halves = [0.15_f64, 0.3, 0.6, 1.2]
-        .map(|half| 1.02 * half.max(3.4 * step_s))
-        .to_vec();
+    let mut halves = HALVES_S.map(|half| 1.02 * half.max(SIDE * step_s)).to_vec();
     halves.dedup();
     halves
 }
