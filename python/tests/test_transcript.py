@@ -79,7 +79,8 @@ def test_what_was_asked_for_runs_word_for_word(here: Path, capsys: Any) -> None:
     assert fit.params.shape == (43,) and fit.covariance.shape == (43, 43)
     assert 0 < fit.noise_floor < fit.held_out_rmse < 1e-3 and len(fit.unobservable) == 21
     # A fit has no word for the encoder that is off.
-    assert "something is missing" in fit.warnings[0]
+    missing, shifted = fit.warnings
+    assert "something is missing" in missing and "readings are shifted" in shifted
     assert found.verdict == "named" and found.steps and found.explanations == [["joint_offset:r_knee"]]
     assert "r_knee" in found.sentence and found.health == [] and len(found.next_postures(30)) <= 30
     assert not (space["better"].com(q) == model.com(q)).all()

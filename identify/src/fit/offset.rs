@@ -13,6 +13,7 @@
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use sesc_model::base::Column;
+use sesc_model::text::minus;
 use sesc_model::{EffectRecord, Model, Quantity};
 
 use super::gather::Fold;
@@ -60,10 +61,10 @@ impl Offset {
     pub fn sentence(&self) -> String {
         let [x, y] =
             [0, 1].map(|k| format!("{:.2} ± {:.2}", 1e3 * self.value[k], 1e3 * self.std[k]));
-        format!(
+        minus(&format!(
             "readings are shifted by {x} mm in x and {y} mm in y: a frame of the foot, a force plate \
              or the zero of the sensor; CoM x and y then rest on CAD's masses"
-        )
+        ))
     }
 
     /// The effect of a model file.

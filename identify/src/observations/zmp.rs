@@ -212,10 +212,21 @@ impl Zmp {
         (rates, gains): (&[f64], &[f64]),
         tilts: &[[f64; 2]],
     ) -> Vec<[f64; 2]> {
-        let out = self.run(&self.tape, [q, rates, gains]);
+        self.of_rows([q, rates, gains], tilts, |out, tilt| {
+            self.parts(out, params).shift(tilt)
+        })
+    }
+
+    /// What `of` makes of the rows of each posture in motion.
+    fn of_rows(
+        &self,
+        motion: [&[f64]; 3],
+        tilts: &[[f64; 2]],
+        of: impl Fn(&[f64], [f64; 2]) -> [f64; 2],
+    ) -> Vec<[f64; 2]> {
+        let out = self.run(&self.tape, motion);
         let all = out.chunks_exact(self.tape.outputs()).zip(tilts);
-        all.map(|(out, tilt)| self.parts(out, params).shift(*tilt))
-            .collect()
+        all.map(|(out, tilt)| of(out, *tilt)).collect()
     }
 
     /// What motion adds where base parameters are `off` CAD's by so much, m: as rows of
@@ -227,17 +238,14 @@ impl Zmp {
         (rates, gains): (&[f64], &[f64]),
         tilts: &[[f64; 2]],
     ) -> Vec<[f64; 2]> {
-        let out = self.run(&self.tape, [q, rates, gains]);
-        let all = out.chunks_exact(self.tape.outputs()).zip(tilts);
-        let of = |(out, tilt): (&[f64], &[f64; 2])| {
+        self.of_rows([q, rates, gains], tilts, |out, tilt| {
             let (by, more) = (self.parts(out, &self.params), self.parts(out, off));
             [0, 1].map(|axis| {
                 let push = by.gain[axis] - GRAVITY * tilt[axis];
                 let moments = push * more.com[2] + by.com[2] * more.gain[axis];
                 -moments / by.load() - tilt[axis] * more.com[2]
             })
-        };
-        all.map(of).collect()
+        })
     }
 
     /// Rows, corrections and deviations of postures `q`, which are `rows` of `motion`.

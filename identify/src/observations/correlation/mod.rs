@@ -273,19 +273,15 @@ impl Scale {
             x: of_x,
             y: of_y,
         };
-        let mut with_held = None;
-        let mut found = None;
-        // Rows are over their deviations: to begin with, they are right.
-        let mut deviation = 1.0;
-        for _ in 0..if held > 0 { SCALED } else { 0 } {
-            let all = with_held.insert(rows.with_coefficients(held, deviation));
-            let own = found.insert(restricted::estimate(all)?);
-            deviation = own.variance.sqrt();
+        // Columns that were free at first would take the noise of joints, and keep it.
+        let mut with_held = (held > 0).then(|| rows.with_coefficients(held, 1.0));
+        let mut found = restricted::estimate(with_held.as_ref().unwrap_or(&rows))?;
+        for _ in 1..SCALED {
+            if let Some(all) = &mut with_held {
+                *all = rows.with_coefficients(held, found.variance.sqrt());
+                found = restricted::estimate(all)?;
+            }
         }
-        let mut found = match found {
-            Some(found) => found,
-            None => restricted::estimate(&rows)?,
-        };
         let left = &rows.y - &rows.x * &found.params;
         let left = DMatrix::from_row_slice(1, n, left.as_slice());
         let (innovations, _) = mixture::whitened(&rows, left, found.tau, 1.0);
