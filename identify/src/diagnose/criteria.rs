@@ -211,8 +211,7 @@ pub(super) const FALLS: f64 = 0.03;
 
 // Independent readings under an explanation.
 
-/// What sensors, the ground and the clock may be off by while noise is judged, in their ordinary
-/// sizes. Chosen: half of it takes a gain that is off by a tenth for noise that lasts.
+/// What the sensor and the ground may be off by while noise is judged, in their ordinary sizes. Chosen: half of it takes a gain that is off by a tenth for noise that lasts.
 pub(super) const SIZES: f64 = 4.0;
 /// Below this factor of the noise a log is looked at once. Chosen: half the excess looks
 /// twice at most logs.

@@ -82,8 +82,8 @@ pub(super) fn explained<'m>(
 }
 
 /// Correlation of what a fit leaves on each axis, log by log, beside masses within the usual
-/// tolerances of CAD at least, and whatever the sensor, the ground and the clock may do: a gap that
-/// nothing explains yet would pass for noise that lasts for ever. They do so by a few of their
+/// tolerances of CAD at least, and whatever the sensor and the ground may do: a gap that nothing
+/// explains yet would pass for noise that lasts for ever. They do so by a few of their
 /// ordinary sizes: columns hold the noise of joints, and a gain of −1 would take that from readings.
 fn correlations(problem: &Problem, fit: &Fit) -> Vec<[Correlation; 2]> {
     let masses = match problem.is_wider() {
