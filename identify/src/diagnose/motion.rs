@@ -154,6 +154,7 @@ fn share_of_readings(
     });
     let column = Column {
         shift: moved.shift.concat(),
+        shift_std: moved.std.concat(),
         residual,
         rows,
         masses: p,
@@ -232,7 +233,10 @@ fn share_beside(problem: &Problem, fit: &Fit, moved: &Arc<Moved>) -> Option<Shar
         },
     );
     let masses = problem.masses(&fit.terms);
-    let share = Share::of(&columns, &fit.residual(), |x| masses.project_out(x), 1.0)?;
+    let unknown = moved.std.iter().flatten().zip(&problem.first().weight);
+    let unknown = unknown.map(|(std, weight)| (std * weight).powi(2)).sum();
+    let left = |x: &DMatrix<f64>| masses.project_out(x);
+    let share = Share::of(&columns, unknown, &fit.residual(), left, 1.0)?;
     Some(Share {
         value: 1.0 + share.value,
         ..share

@@ -144,6 +144,8 @@ struct Head {
     stays: Vec<Range<usize>>,
     /// What motion adds to readings, m; zero where joints stand.
     shift: Vec<[f64; 2]>,
+    /// Its deviation, m.
+    shift_std: Vec<[f64; 2]>,
     /// Whether joints move.
     moves: bool,
     /// See [`Timing`].
@@ -197,12 +199,15 @@ impl Head {
             let (k, axis) = of(row);
             axes[axis].1[k]
         });
-        let shift = (0..n).map(|row| {
-            let (k, axis) = of(row);
-            self.shift[k][axis] / self.std[k][axis]
-        });
+        let over_std = |all: &[[f64; 2]]| {
+            let over = (0..n)
+                .map(of)
+                .map(|(k, axis)| all[k][axis] / self.std[k][axis]);
+            over.collect::<Vec<f64>>()
+        };
         let column = Column {
-            shift: shift.collect(),
+            shift: over_std(&self.shift),
+            shift_std: over_std(&self.shift_std),
             residual: reading - &rows * cad,
             rows,
             masses: cad.len(),
@@ -217,10 +222,9 @@ impl Head {
             motion,
         } = rows;
         self.moves |= !motion.is_empty();
-        match motion.is_empty() {
-            true => self.shift.resize(self.shift.len() + block.len(), [0.0; 2]),
-            false => self.shift.extend(motion.iter().map(|(shift, _)| *shift)),
-        }
+        let by = |k: usize| motion.get(k).copied().unwrap_or_default();
+        self.shift.extend((0..block.len()).map(|k| by(k).0));
+        self.shift_std.extend((0..block.len()).map(|k| by(k).1));
         self.rows += block.len();
         self.t.extend(block.t.iter().flatten());
         for k in 0..block.len() {

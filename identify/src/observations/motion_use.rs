@@ -4,6 +4,10 @@
 //! y = Y r + a Δ + noise        Δ = ZMP − static CoP by CAD, a: the share, 1 where all is known
 //! ```
 //!
+//! Δ is known to σ_Δ, by accelerations: noise of Δ makes least squares see less of it than there
+//! is, so that its power Σ σ_Δ² is taken from the normal equations (corrected least squares, Fuller
+//! 1987, 2.2).
+//!
 //! Readings hold Δ by the laws of mechanics, whether noise lets it be seen or not. Those of a
 //! log that was averaged in standing postures, or simulated so, hold none though its joints
 //! move: readings are static where a = 0 is more likely than a = 1 by far,
@@ -53,16 +57,22 @@ impl Share {
     }
 
     /// Least squares of whitened rows `residual ≈ columns · x`, of which the first column is
-    /// what motion adds and `left` what is left of vectors beside masses; `rows_per_sample`
-    /// rows are worth one. `None` where readings do not tell.
+    /// what motion adds, with noise of power `unknown`, and `left` what is left of vectors beside
+    /// masses; `rows_per_sample` rows are worth one. `None` where readings do not tell.
     pub(crate) fn of(
         columns: &DMatrix<f64>,
+        unknown: f64,
         residual: &DVector<f64>,
         left: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
         rows_per_sample: f64,
     ) -> Option<Share> {
         let inner = left(columns);
         let mut normal = columns.tr_mul(&inner);
+        let power = normal[(0, 0)];
+        if power <= unknown {
+            return None;
+        }
+        normal[(0, 0)] -= unknown;
         let scale: Vec<f64> = (0..normal.nrows())
             .map(|k| normal[(k, k)].max(f64::MIN_POSITIVE).sqrt())
             .collect();
@@ -73,7 +83,9 @@ impl Share {
             // Directions without information stay where they are.
             normal[(a, a)] += 1e-9;
         }
-        let gradient = inner.tr_mul(residual);
+        let mut gradient = inner.tr_mul(residual);
+        // Readings were compared with all of Δ, its noise among it.
+        gradient[0] += unknown;
         let gradient = DVector::from_fn(scale.len(), |k, _| gradient[k] / scale[k]);
         let factor = normal.cholesky()?;
         let step = factor.solve(&gradient);
@@ -84,7 +96,7 @@ impl Share {
         let spare = (residual.len() as f64 / rows_per_sample - scale.len() as f64).max(1.0);
         // What is left says how well readings are known, whatever their noise was said to be.
         let beside = (square / rows_per_sample / spare).max(1.0);
-        let variance = factor.inverse()[(0, 0)] / (scale[0] * scale[0]);
+        let variance = factor.inverse()[(0, 0)] / (scale[0] * scale[0]) * power / (power - unknown);
         let share = Share {
             value: unscaled[0],
             std: (variance * beside * rows_per_sample).sqrt(),
@@ -97,6 +109,8 @@ impl Share {
 pub(crate) struct Column {
     /// Shift of the readings that CAD predicts, x and y in turn, m or over deviations.
     pub shift: Vec<f64>,
+    /// Its deviation, likewise.
+    pub shift_std: Vec<f64>,
     /// Readings less those of CAD in motion, likewise.
     pub residual: DVector<f64>,
     /// Rows of the base parameters, and of what else may be off, likewise.
@@ -127,7 +141,14 @@ impl Column {
         let inner = inner.cholesky()?;
         let left = |x: &DMatrix<f64>| x - &k * inner.solve(&k.tr_mul(x));
         let residual = &self.residual / noise;
-        let share = Share::of(&(columns / noise), &residual, left, rows_per_sample)?;
+        let unknown: f64 = self.shift_std.iter().map(|std| (std / noise).powi(2)).sum();
+        let share = Share::of(
+            &(columns / noise),
+            unknown,
+            &residual,
+            left,
+            rows_per_sample,
+        )?;
         Some(Share {
             value: 1.0 + share.value,
             ..share
