@@ -14,7 +14,7 @@ use super::hypothesis::Term;
 use super::leftover::{Misfit, closure_found, is_open, suspects};
 use super::model_file::{settle, unsettled_reason};
 use super::outliers::Outliers;
-use super::problem::{ALL, Fit, Problem};
+use super::problem::{ALL, Fit, Problem, Untold};
 use super::remedy::Remedy;
 use super::search::Search;
 use super::words::{self, capital};
@@ -39,10 +39,11 @@ pub(super) fn find<'m>(
 ) -> Result<Explained, Error> {
     let mut search = Search::new(whole_problem.clone());
     let visible = search.visible.clone();
-    let too_few = whole_problem.first().too_few();
     // Nothing at all is left to tell the noise from.
-    let hopeless =
-        too_few.is_some_and(|[rows, directions]| (rows as f64) < directions as f64 + ROWS);
+    let hopeless = match whole_problem.first().why_untold(about.sole) {
+        Some(Untold::Few { rows, directions }) => (rows as f64) < directions as f64 + ROWS,
+        _ => false,
+    };
     let none = search.fit(&[], None);
     // Whatever explains broken data explains nothing.
     let (mut ranked, implausible) = match about.usable && !hopeless {
@@ -72,9 +73,9 @@ pub(super) fn find<'m>(
     let crowd = best.terms.len() >= criteria::TOO_MANY_EFFECTS;
     let soles = about.usable && is_open(problem, &best);
     let no_known = known && misfit.is_clear() || soles;
-    let short = too_few.is_some() || problem.first().noise_lasts_too_long();
-    let is_short = about.usable && short && best.terms.is_empty() && !soles;
-    let unexplained = !is_short && (no_known || crowd || implausible.is_some());
+    let untold = problem.first().why_untold(about.sole);
+    let untold = untold.filter(|_| about.usable && best.terms.is_empty() && !soles);
+    let unexplained = untold.is_none() && (no_known || crowd || implausible.is_some());
     if unexplained {
         class = vec![best.clone()];
     }
@@ -103,8 +104,8 @@ pub(super) fn find<'m>(
     let scores = scores.collect();
     let expected = Misfit::of(problem, &null);
     let first = problem.first();
-    let raw = baseline.errors.iter().zip(&first.weight).enumerate();
-    let raw = raw.map(|(row, (gap, weight))| (gap * weight * first.widened[row % 2]).powi(2));
+    let raw = baseline.errors.iter().zip(first.inverse_noise());
+    let raw = raw.map(|(gap, weight)| (gap * weight).powi(2));
     // Of the robot with CAD masses, in the log that is reported.
     let raw = Misfit {
         chi2: raw.sum(),
@@ -134,7 +135,7 @@ pub(super) fn find<'m>(
     let closure = closure_found(problem, &null, &best);
     let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
         _ if !about.usable => Verdict::Unusable,
-        _ if is_short => Verdict::TooShort,
+        _ if untold.is_some() => Verdict::TooShort,
         (true, _, _) => Verdict::Unexplained,
         (_, true, _) if raw.is_clear() && !expected.is_clear() => Verdict::Absorbed,
         (_, true, _) => Verdict::None,
@@ -211,6 +212,7 @@ pub(super) fn find<'m>(
         told,
         class,
         baseline,
+        untold,
         scores,
     };
     com_spread::state(problem, &mut found);

@@ -1,11 +1,11 @@
 //! Experiments that could tell explanations apart: what each would show, and which shows most.
 //!
 //! ```text
-//! S_j = min over δ, z of ‖(y_i − y_j − J_j δ − K z)/σ‖² + ‖z‖²     old and new rows
+//! S_j = min over δ, z of ‖(y_i + K_i z_i − y_j − J_j δ − K_j z)/σ‖² + ‖z‖² − ‖z_i‖²     old and new rows
 //! ```
 //!
-//! the χ² by which explanation j would fail, its unknowns fitted again, if i
-//! were true. From [`TOLD_APART`](super::criteria::TOLD_APART) on it tells the two apart.
+//! the χ² by which explanation j would fail, its unknowns and masses fitted again, if i with the
+//! masses that it found were true. Each has masses by its own prior. From [`TOLD_APART`](super::criteria::TOLD_APART) on it tells the two apart.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use sesc_model::{Model, Snapping};
 use super::criteria::{self, NEXT_POSTURES, TOLD_APART};
 use super::findings::{ExperimentProposal, Explained, Verdict};
 use super::hypothesis::{CarriedExplanation, Term, with_places};
-use super::problem::{Block, Fit, OnBlock, Problem, below, side};
+use super::problem::{ALL, Block, Fit, OnBlock, Problem, below, side};
 use crate::Error;
 use crate::logs::{PostureWriter, Row, Sidecar, Written};
 use crate::observations::postures::range as range_of;
@@ -102,16 +102,18 @@ impl<'a, 'm> Trial<'a, 'm> {
         let n = self.there.data.len();
         let mut by_posture = vec![0.0; n];
         let (expected, _) = self.rows(truth);
-        let masses = self.masses();
+        let expected = expected + self.mass_shift(truth);
+        let paid = self.here.mass_errors(truth, ALL).norm_squared();
         let separation = |other: &&Fit| {
             let (theirs, slopes) = self.rows(other);
-            let left = least(&(&expected - theirs), &slopes, &masses);
+            let (left, pays) = least(&(&expected - theirs), &slopes, &self.masses(&other.terms));
             let old = left.len() - 2 * n;
             for (k, by) in by_posture.iter_mut().enumerate() {
                 let own = left[old + 2 * k].powi(2) + left[old + 2 * k + 1].powi(2);
                 *by += own.min(criteria::TOLD_BY_ONE);
             }
-            left.norm_squared() + self.by_weight(truth, other)
+            let apart = left.norm_squared() + pays - paid;
+            apart.max(0.0) + self.by_weight(truth, other)
         };
         let separations = others.iter().map(separation).collect();
         (separations, by_posture)
@@ -198,11 +200,22 @@ impl<'a, 'm> Trial<'a, 'm> {
         context
     }
 
-    /// Whitened directions of mass errors, old rows and new ones.
-    fn masses(&self) -> DMatrix<f64> {
-        let (here, old) = (self.here, self.here.masses(&[]).columns());
+    /// What the masses of an explanation add to whitened readings, old rows and new ones.
+    fn mass_shift(&self, fit: &Fit) -> DVector<f64> {
+        let here = self.here;
+        let (old, params) = (here.mass_shift(fit), here.params_of(fit));
+        let off = params.iter().zip(&here.first().cad).map(|(r, cad)| r - cad);
+        let off = DVector::from_iterator(params.len(), off);
+        let new = self.there.rows_of_first() * off / here.data().noise_floor;
+        let old = here.readings().flat_map(|range| &old.as_slice()[range]);
+        DVector::from_vec(old.chain(new.as_slice()).copied().collect())
+    }
+
+    /// Whitened directions of mass errors under a hypothesis, old rows and new ones.
+    fn masses(&self, terms: &[Term]) -> DMatrix<f64> {
+        let (here, old) = (self.here, self.here.masses(terms).columns());
         let noise = here.data().noise_floor;
-        let new = self.there.rows_of_first() * &here.prior(&[]).factor / noise;
+        let new = self.there.rows_of_first() * &here.prior(terms).factor / noise;
         let parts = here
             .readings()
             .map(|range| old.rows_range(range))
@@ -211,8 +224,13 @@ impl<'a, 'm> Trial<'a, 'm> {
     }
 }
 
-/// What is left of `difference` once slopes and masses have taken their part.
-fn least(difference: &DVector<f64>, slopes: &DMatrix<f64>, masses: &DMatrix<f64>) -> DVector<f64> {
+/// What is left of `difference` once slopes and masses have taken their part, and the square of
+/// what masses took in units of their prior.
+fn least(
+    difference: &DVector<f64>,
+    slopes: &DMatrix<f64>,
+    masses: &DMatrix<f64>,
+) -> (DVector<f64>, f64) {
     let (p, m) = (slopes.ncols(), masses.ncols());
     let mut all = slopes.clone().resize_horizontally(p + m, 0.0);
     all.columns_mut(p, m).copy_from(masses);
@@ -224,8 +242,12 @@ fn least(difference: &DVector<f64>, slopes: &DMatrix<f64>, masses: &DMatrix<f64>
         };
     }
     match normal.cholesky() {
-        Some(factor) => difference - &all * factor.solve(&all.tr_mul(difference)),
-        None => difference.clone(),
+        Some(factor) => {
+            let found = factor.solve(&all.tr_mul(difference));
+            let pays = found.rows(p, m).norm_squared();
+            (difference - &all * found, pays)
+        }
+        None => (difference.clone(), 0.0),
     }
 }
 

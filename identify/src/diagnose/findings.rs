@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sesc_model::effects::{EffectContext, Fitted, Target};
 
 use super::hypothesis::{FREE_MASSES, Term};
-use super::problem::Fit;
+use super::problem::{Fit, Untold};
 use crate::NextStep;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
@@ -515,6 +515,8 @@ pub(super) struct Explained {
     /// All that the data allow, the best first.
     pub class: Vec<Fit>,
     pub baseline: HeldOut,
+    /// Why noise is not told from a misfit, where nothing is named.
+    pub untold: Option<Untold>,
     /// Every effect alone, the best first, as many as were asked for.
     pub scores: Vec<Score>,
 }
@@ -531,4 +533,6 @@ pub(super) struct About<'a> {
     pub usable: bool,
     /// How many effects are fitted alone.
     pub scores: usize,
+    /// Corners of the sole, m, where the URDF has its shape.
+    pub sole: Option<[[f64; 2]; 2]>,
 }

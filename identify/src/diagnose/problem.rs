@@ -32,7 +32,7 @@ use crate::observations::correlation::Correlation;
 use crate::observations::postures::Postures;
 
 use crate::svd::svd;
-pub use block::{Block, InFile, OwnSides};
+pub use block::{Block, InFile, OwnSides, Untold};
 pub(super) use block::{run_alone, side, soles_of, tilts};
 pub(super) use fitting::Weighting;
 
@@ -434,7 +434,7 @@ impl<'m> Problem<'m> {
     }
 
     /// The most likely mass errors of a fit, in units of F's columns.
-    fn mass_errors(&self, fit: &Fit, keep: Option<&[bool]>) -> DVector<f64> {
+    pub(super) fn mass_errors(&self, fit: &Fit, keep: Option<&[bool]>) -> DVector<f64> {
         let rows = self.weighting(&fit.terms, fit.outliers.as_ref(), keep);
         let mut residual = DMatrix::from_columns(&[fit.residual()]);
         rows.weigh(&mut residual);

@@ -26,7 +26,7 @@ use crate::feet::{Feet, Places};
 use crate::fit::fitted::Fitted;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::fit::{Request as FitRequest, check_result, fit, gather_as, offset};
-use crate::health::{self, Finding, Health};
+use crate::health::{self, Finding, Health, sole_of};
 use crate::logs::{
     Angles, LogSource, Options, PostureReader, ROOM, Readings, Samples, Sidecar, Stays,
 };
@@ -229,6 +229,7 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
             usable: health.is_usable(),
             health: health.findings,
             scores: request.scores,
+            sole: sole_of(&request.robot, &model),
         };
         let closure = soles_of(&request.feet, sidecar, &model, &mut data, watch)?;
         let first = Block::new(&model, data, closure, &request.effects);

@@ -4,11 +4,13 @@ use super::{com_spread, criteria};
 use sesc_model::text::listed;
 
 use super::findings::{Diagnosis, Explained, Verdict};
-use super::problem::Problem;
+use super::problem::{Problem, Untold};
 use super::words::{self, capital};
 
 /// Names in a row, at most.
 const NAMED: usize = 4;
+/// Noise of the axes is said of each from this ratio on.
+const AXES_APART: f64 = 1.5;
 
 /// Say in a few sentences what a good colleague would, and, for a page, what that adds to a title
 /// that names the effects and to a table of errors.
@@ -16,6 +18,31 @@ pub(super) fn state(problem: &Problem, found: &mut Explained) {
     let (sentence, lead) = sum_up(problem, found);
     found.diagnosis.sentence = sentence;
     found.diagnosis.lead = lead;
+}
+
+/// Why noise is not told from a misfit, and what would tell it.
+fn said_of_noise(untold: Untold) -> String {
+    let large = |than: &str| {
+        format!(
+            "The data cannot tell noise from something missing: nothing states the noise, and what is \
+             left would make it as large as {than}. State the noise, or reach postures again; record \
+             larger motions, and check the sensor where it is that noisy."
+        )
+    };
+    match untold {
+        Untold::Few { rows, directions } => format!(
+            "The log is too short: {rows} readings for {directions} directions of the masses leave too \
+             few to tell the noise from, so that it is not known whether something is missing. Record \
+             more postures, reach some of them again, or state the noise."
+        ),
+        Untold::Lasting => "The log is too short: what is left lasts for more than a fifth of it, so \
+                            that it is not known whether it is noise or something missing. Record at \
+                            least five times as long, or postures that the robot holds and reaches \
+                            again."
+            .to_string(),
+        Untold::AsLargeAsSpread => large("the spread of the readings"),
+        Untold::LargeForSole => large("a fifth of the sole"),
+    }
 }
 
 fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
@@ -26,6 +53,17 @@ fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
         mm(d.baseline.rmse),
         mm(d.noise_floor)
     );
+    let [x, y] = problem.first().noise_by_axis();
+    let before = match x.max(y) > AXES_APART * x.min(y) {
+        true => format!(
+            "Simulated and measured CoP differ by {} RMS in x and {} in y; noise explains {} and {}.",
+            mm(d.baseline.rmse_x),
+            mm(d.baseline.rmse_y),
+            mm(x),
+            mm(y)
+        ),
+        false => before,
+    };
     let mut parts = Vec::new();
     if d.samples.independent < d.samples.rows {
         parts.push(format!("The log has {}.", d.samples.sentence()));
@@ -67,17 +105,7 @@ fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
             let rest = format!("these data cannot tell {it} from {shown}{more}.");
             missing("most plainly ", &rest);
         }
-        Verdict::TooShort => parts.push(match problem.first().too_few() {
-            Some([rows, directions]) => format!(
-                "The log is too short: {rows} readings for {directions} directions of the masses leave \
-                 too few to tell the noise from, so that it is not known whether something is \
-                 missing. Record more postures, reach some of them again, or state the noise."
-            ),
-            None => "The log is too short: what is left lasts for more than a fifth of it, so that it \
-                     is not known whether it is noise or something missing. Record at least five \
-                     times as long, or postures that the robot holds and reaches again."
-                .to_string(),
-        }),
+        Verdict::TooShort => parts.extend(found.untold.map(said_of_noise)),
         Verdict::Unusable => {
             parts.push("No effect is looked for in these data.".to_string());
         }

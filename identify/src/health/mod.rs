@@ -44,6 +44,7 @@ pub use finding::{Finding, Kind};
 pub use finding::{Picture, Row};
 #[doc(hidden)]
 pub use rows::noise::FitResiduals;
+pub(crate) use rows::sole_of;
 use rows::{LeftOut, LessKnown, LogRows};
 use view::{On, View};
 

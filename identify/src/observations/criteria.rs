@@ -61,6 +61,9 @@ pub mod correlation {
     /// Noise that lasts for more than this part of a log is not told from what is missing. Chosen:
     /// two and a half independent samples; half of it asks for five.
     pub const SHORT: f64 = 0.2;
+    /// Noise that nothing states is no noise from this part of the sole on. Chosen: half of it is that
+    /// of a worn foot sensor; twice as much leaves a balanced robot nothing to move its CoP over.
+    pub const LARGE: f64 = 0.2;
     /// More steps than this part that do not go forward are no order. Chosen: half of it
     /// refuses recordings with late messages.
     pub const BACKWARDS: f64 = 0.02;

@@ -270,3 +270,40 @@ impl MotionUse {
         self.step_s = steps.reduce(f64::max);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::noise;
+
+    /// Readings that show all of the motion do so whatever noise accelerations have, and those of
+    /// standing postures none of it.
+    #[test]
+    fn noise_of_accelerations_does_not_take_motion_from_readings() {
+        let n = 4000;
+        for share in [1.0, 0.0] {
+            let mut noise = noise(1.0);
+            let (mut shift, mut residual) = (Vec::new(), Vec::new());
+            for row in 0..n {
+                // As much noise as motion.
+                let (truth, error) = ((0.1 * f64::from(row)).sin() * 2e-3, 2e-3 * noise());
+                shift.push(truth + error);
+                residual.push(share * truth - (truth + error) + 1e-3 * noise());
+            }
+            let column = Column {
+                shift,
+                shift_std: vec![2e-3; n as usize],
+                residual: DVector::from_vec(residual),
+                rows: DMatrix::zeros(n as usize, 1),
+                masses: 1,
+            };
+            let found = column.share(&DMatrix::zeros(1, 1), 1.0).unwrap();
+            let off = (found.value - share).abs();
+            assert!(
+                off < 3.0 * found.std && found.std < 0.1,
+                "{share}: {found:?}"
+            );
+            assert_eq!(found.is_missing(), share == 0.0);
+        }
+    }
+}

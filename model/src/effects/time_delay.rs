@@ -22,14 +22,18 @@ impl Effect for TimeDelay {
     }
 
     fn phrase(&self, _: &Target, _: &str) -> String {
-        "joint angles older than the readings".to_string()
+        "a delay of joint angles against readings".to_string()
     }
 
     fn remedy(&self, _: &EffectContext, _: &Target, values: &[f64]) -> String {
-        let way = if values[0] > 0.0 { "later" } else { "earlier" };
+        let (late, way) = match values[0] > 0.0 {
+            true => ("joint angles", "later"),
+            false => ("readings", "earlier"),
+        };
+        let ms = 1e3 * values[0].abs();
         format!(
-            "true angle = what the encoder reads {:.1} ms {way}; shift the columns against each other",
-            1e3 * values[0].abs()
+            "{late} are {ms:.1} ms late: true angle = what the encoder reads {ms:.1} ms {way}; shift \
+             the columns against each other"
         )
     }
 

@@ -264,7 +264,7 @@ pub fn card<'a>(found: &Diagnosis, view: &'a DiagnosisView) -> Card<'a> {
         caption,
         marks: marked.marks,
         correction: Correction {
-            chi2: Some((view.chi2, view.chi2_readings as f64)),
+            chi2: Some((view.chi2, view.chi2_expected)),
             found: values(&found.steps),
             names: ["CAD", "corrected"],
         },

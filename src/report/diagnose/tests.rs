@@ -211,6 +211,15 @@ fn a_named_effect_is_told_with_its_size_and_all_figures() {
     for (own, counted) in rms.into_iter().zip(view.spread.rms) {
         assert!((own - counted).abs() < 1e-9 * counted, "{own} {counted}");
     }
+    // The slider ends at the χ² of the text.
+    let left = &found.leftover;
+    assert!(
+        (a + b + c - left.chi2).abs() < 1e-6 * left.chi2,
+        "{} {}",
+        a + b + c,
+        left.chi2
+    );
+    assert!((view.chi2_expected - left.expected).abs() < 1e-9 * left.expected);
     let stages = &view.stages;
     assert_eq!(stages[0].rmse, found.baseline.rmse);
     assert!(stages[stages.len() - 2].rmse < 0.5 * stages[0].rmse);

@@ -51,7 +51,7 @@ function correction(data, figure, apply) {
       const [a, b, c, expected] = data.chi2;
       const chi2 = a + b * s + c * s * s;
       share = chi2 / a;
-      parts.push(`χ² ${chi2.toFixed(0)}, of which noise alone makes about ${expected.toFixed(0)}`);
+      parts.push(`χ² ${chi2.toFixed(0)}, where noise leaves ${expected.toFixed(0)}`);
     }
     parts.push(`gap ${millimetres(gap(data, s))} mm RMS per axis`);
     output.textContent = parts.join(' · ');

@@ -30,9 +30,9 @@ use crate::feet::{Closure, Feet, ROWS, of_many, of_one_foot, tell_contacts};
 use crate::health::wirings;
 use crate::logs::Sidecar;
 use crate::observations::correlation::Process;
-use crate::observations::criteria::correlation::SHORT;
+use crate::observations::criteria::correlation::{LARGE, SHORT};
 use crate::observations::noise::NoiseSource;
-use crate::observations::postures::Postures;
+use crate::observations::postures::{Postures, rms};
 use crate::observations::rows::CopRows;
 use crate::watch::Watch;
 
@@ -100,6 +100,19 @@ enum Output {
 fn bends(term: &Term) -> bool {
     let moves = |stage| stage <= Stage::Joints || stage == Stage::Bends;
     term.stage().is_some_and(moves)
+}
+
+/// Why noise is not told from a misfit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Untold {
+    /// Nothing states it, and readings are fewer than twice the directions of the masses.
+    Few { rows: usize, directions: usize },
+    /// It lasts for more than a fifth of the log.
+    Lasting,
+    /// Nothing states it, and it would be as large as the spread of the readings.
+    AsLargeAsSpread,
+    /// Nothing states it, and it would be larger than a fifth of the sole.
+    LargeForSole,
 }
 
 impl<'m> Block<'m> {
@@ -279,24 +292,53 @@ impl<'m> Block<'m> {
         own.copy_from(&self.residual(readings));
     }
 
+    /// One over the noise of each reading as it is, however few samples the readings are worth, 1/m.
+    pub(in crate::diagnose) fn inverse_noise(&self) -> impl Iterator<Item = f64> {
+        let rows = self.weight.iter().enumerate();
+        rows.map(|(row, weight)| weight * self.widened[row % 2])
+    }
+
     /// Rows per independent one, of the axis that has fewer.
     pub(in crate::diagnose) fn rows_per_sample(&self) -> f64 {
         self.widened[0].max(self.widened[1]).powi(2)
     }
 
-    /// Readings and the directions that masses take of them, where nothing states the noise and
-    /// readings are fewer than twice those: what masses leave says little of it.
-    pub fn too_few(&self) -> Option<[usize; 2]> {
-        let unknown = self.data.noise_source == NoiseSource::Residuals;
-        let (rows, directions) = (self.rows.nrows(), self.rows.ncols());
-        (unknown && rows < 2 * directions).then_some([rows, directions.min(rows)])
+    /// Noise of each axis as it is, RMS, m.
+    pub(in crate::diagnose) fn noise_by_axis(&self) -> [f64; 2] {
+        [0, 1].map(|axis| rms(self.inverse_noise().skip(axis).step_by(2).map(f64::recip)))
     }
 
-    /// Whether noise lasts for more than a fifth of the log: then it is not told from a misfit.
-    pub fn noise_lasts_too_long(&self) -> bool {
+    /// Why noise is not told from a misfit, if it is not; `sole`: its corners, m.
+    pub fn why_untold(&self, sole: Option<[[f64; 2]; 2]>) -> Option<Untold> {
+        let data = &self.data;
+        let unknown = data.noise_source == NoiseSource::Residuals;
+        // What masses leave of few readings says little.
+        let (rows, directions) = (self.rows.nrows(), self.rows.ncols());
+        if unknown && rows < 2 * directions {
+            let directions = directions.min(rows);
+            return Some(Untold::Few { rows, directions });
+        }
         // Time of correlation: half as many rows as an independent one takes.
-        let rows = 0.5 * self.rows_per_sample();
-        self.data.t.is_some() && rows > SHORT * self.data.len() as f64
+        let lasting = 0.5 * self.rows_per_sample();
+        if data.t.is_some() && lasting > SHORT * data.len() as f64 {
+            return Some(Untold::Lasting);
+        }
+        let noise = self.noise_by_axis();
+        let spread = [0, 1].map(|axis| {
+            let own = || data.reading.iter().skip(axis).step_by(2);
+            let mean = own().sum::<f64>() / data.len() as f64;
+            rms(own().map(|x| x - mean))
+        });
+        let is_large = |[low, high]: [[f64; 2]; 2]| {
+            (0..2).any(|axis| noise[axis] > LARGE * (high[axis] - low[axis]))
+        };
+        match unknown {
+            true if noise[0].hypot(noise[1]) >= spread[0].hypot(spread[1]) => {
+                Some(Untold::AsLargeAsSpread)
+            }
+            true if sole.is_some_and(is_large) => Some(Untold::LargeForSole),
+            _ => None,
+        }
     }
 
     /// The revolute joints that have a dead band under `terms`, with the place of its width among

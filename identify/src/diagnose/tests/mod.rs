@@ -196,6 +196,7 @@ fn about() -> About<'static> {
         health: Vec::new(),
         usable: true,
         scores: 0,
+        sole: None,
     }
 }
 

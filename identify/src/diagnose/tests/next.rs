@@ -9,6 +9,7 @@ use super::{Bench, NOISE, about, diagnosed, gauss, term, together};
 use crate::diagnose::criteria::{CLASS_SCORE, TOLD_APART};
 use crate::diagnose::diagnosis::find;
 use crate::diagnose::experiment::{NextLog, proposed};
+use crate::diagnose::hypothesis::Term;
 use crate::diagnose::problem::{ALL, Block, Problem};
 use crate::fit::prior::Prior;
 use crate::observations::postures::Postures;
@@ -108,6 +109,30 @@ fn the_first_experiment_splits_the_class() {
     assert!(10 * split >= 9 * asked, "{split} of {asked}\n{told}");
     // As many are left out as was said.
     assert!(10 * as_said >= 9 * asked, "{as_said} of {asked}\n{told}");
+}
+
+/// Masses stay with the robot when it turns, and a slope with the room.
+#[test]
+fn turning_the_robot_tells_masses_that_differ_from_a_slope() {
+    let bench = Bench::op2();
+    let robot = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
+    let q = bench.balanced(100, 7);
+    let world = bench.world().ground_slope([0.004, -0.006]).unwrap();
+    let mut problem = bench.problem(bench.log(&world, &q, 7), "tight");
+    let mut found = diagnosed(&mut problem);
+    let slope = problem.fit(&[term(&problem, "ground_slope", "-")], None, ALL);
+    let masses = problem.fit(&[Term::Masses], None, ALL);
+    for (best, other) in [(&masses, &slope), (&slope, &masses)] {
+        found.best = best.clone();
+        found.class = vec![best.clone(), other.clone()];
+        let all = proposed(&problem, &found, (&robot, "op2"), Snapping::default(), None);
+        let turned = all
+            .iter()
+            .find(|(_, log)| log.experiment == Experiment::Turned);
+        let apart = turned.unwrap().0.separations[0];
+        // 1.5 mm turn into −1.5 mm, with 0.5 mm of noise.
+        assert!(apart > TOLD_APART, "{apart}");
+    }
 }
 
 /// Two halves of a log are the whole: the same minimum, the same deviation.

@@ -109,6 +109,8 @@ pub struct DiagnosisView {
     pub chi2: [f64; 3],
     /// Readings that are counted in it.
     pub chi2_readings: usize,
+    /// χ² that noise leaves of these under the whole explanation.
+    pub chi2_expected: f64,
 }
 
 /// Residuals of all postures, m, x and y in turn.
@@ -128,11 +130,12 @@ impl Residuals {
     }
 
     /// Coefficients of χ², and readings that are counted.
-    fn chi2(&self, weight: &[f64]) -> ([f64; 3], usize) {
+    fn chi2(&self, weight: impl Iterator<Item = f64>) -> ([f64; 3], usize) {
         let (mut sum, mut count) = ([0.0; 3], 0);
-        for row in (0..weight.len()).filter(|row| !self.outlier[row / 2]) {
+        let counted = weight.enumerate();
+        for (row, weight) in counted.filter(|(row, _)| !self.outlier[row / 2]) {
             let (before, after) = (self.before[row], self.after[row]);
-            let (from, by) = (before * weight[row], (after - before) * weight[row]);
+            let (from, by) = (before * weight, (after - before) * weight);
             sum[0] += from * from;
             sum[1] += 2.0 * from * by;
             sum[2] += by * by;
@@ -158,7 +161,8 @@ impl DiagnosisView {
             outlier,
         };
         let terms = found.best.terms.iter();
-        let (chi2, chi2_readings) = residuals.chi2(&problem.first().weight);
+        let all = problem.readings().map(|range| range.len()).sum::<usize>() as f64;
+        let (chi2, chi2_readings) = residuals.chi2(problem.first().inverse_noise());
         DiagnosisView {
             used: (0..dof)
                 .map(|joint| range(data.q.iter().copied().skip(joint).step_by(dof)).into())
@@ -167,6 +171,7 @@ impl DiagnosisView {
             skeleton,
             chi2,
             chi2_readings,
+            chi2_expected: chi2_readings as f64 * found.diagnosis.leftover.expected / all,
             postures: postures(problem, &residuals),
             timed: data.t.is_some(),
             rms_lengths: residuals.rms_lengths(),
@@ -233,8 +238,8 @@ fn differences(problem: &Problem, class: &[Fit]) -> Vec<Vec<f64>> {
     let errors = class.map(|fit| held_out::errors_of(problem, fit, None));
     let errors: Vec<Vec<f64>> = errors.collect();
     let between = |a: &[f64], b: &[f64]| {
-        let entries = a.iter().zip(b).zip(&problem.first().weight).enumerate();
-        let kept = entries.filter(|(row, _)| !apart[row / 2]);
+        let entries = a.iter().zip(b).zip(problem.first().inverse_noise());
+        let kept = entries.enumerate().filter(|(row, _)| !apart[row / 2]);
         rms(kept.map(|(_, ((a, b), w))| (a - b) * w))
     };
     let rows = errors.iter();

@@ -30,15 +30,17 @@ impl Spread {
     pub(super) fn of(problem: &Problem, residuals: &Residuals) -> Spread {
         let counted = |errors: &[f64]| {
             let (mut bins, mut beyond) = (vec![0; BINS], 0);
-            for (error, weight) in errors.iter().zip(&problem.first().weight) {
+            for (error, weight) in errors.iter().zip(problem.first().inverse_noise()) {
                 let place = (error * weight + EDGE) / (2.0 * EDGE) * BINS as f64;
                 match (0.0..BINS as f64).contains(&place) {
                     true => bins[place as usize] += 1,
                     false => beyond += 1,
                 }
             }
-            let entries = errors.iter().zip(&problem.first().weight).enumerate();
-            let kept = entries.filter(|(row, _)| !residuals.outlier[row / 2]);
+            let entries = errors.iter().zip(problem.first().inverse_noise());
+            let kept = entries
+                .enumerate()
+                .filter(|(row, _)| !residuals.outlier[row / 2]);
             (bins, beyond, rms(kept.map(|(_, (e, w))| e * w)))
         };
         let before = counted(&residuals.before);
@@ -102,10 +104,10 @@ impl Regions {
             .iter()
             .enumerate()
             .filter(|(_, own)| !own.is_empty());
+        let weights: Vec<f64> = problem.first().inverse_noise().collect();
         let region = |(place, own): (usize, &Vec<usize>)| {
             let rows = || own.iter().flat_map(|&k| [2 * k, 2 * k + 1]);
-            let of =
-                |errors: &[f64]| rms(rows().map(|row| errors[row] * problem.first().weight[row]));
+            let of = |errors: &[f64]| rms(rows().map(|row| errors[row] * weights[row]));
             Region {
                 corner: [
                     ends[0][0] + side * (place / counts[1]) as f64,

@@ -213,7 +213,7 @@ fn in_another_unit(rows: &LogRows) -> bool {
 
 /// Corners of the sole, m, by the collision shapes of all links fixed to the support, in its
 /// frame, seen from above; none where the URDF has no shapes there but meshes.
-pub(super) fn corners(robot: &Robot, model: &Model) -> Option<Corners> {
+pub(crate) fn sole_of(robot: &Robot, model: &Model) -> Option<Corners> {
     let description = &robot.description;
     let mut corners: Vec<[f64; 2]> = Vec::new();
     for (name, extent) in description.link_names().zip(&description.shapes) {

@@ -23,6 +23,8 @@
 //! its first row on. What is found wrong is left out of the whole log by a
 //! [`Screen`](crate::logs::Screen), and the rest is used.
 
+pub(crate) use contact::sole_of;
+
 mod channels;
 mod contact;
 pub(super) mod noise;
@@ -203,7 +205,7 @@ impl LogRows {
             rows.block.std = None;
         }
         channels::check_distinct(&rows, samples.log.name())?;
-        rows.sole = contact::corners(robot, model);
+        rows.sole = sole_of(robot, model);
         let cop = Evaluator::new(model, Function::Cop).fastest();
         rows.cad = cop.run(&rows.block.q, rows.len()).as_chunks().0.to_vec();
         Ok(rows)

@@ -48,6 +48,7 @@ fn empty() -> DiagnosisView {
         used: Vec::new(),
         chi2: [0.0; 3],
         chi2_readings: 0,
+        chi2_expected: 0.0,
     }
 }
 
