@@ -154,7 +154,7 @@ fn share_of_readings(
     });
     let column = Column {
         shift: moved.shift.concat(),
-        shift_std: moved.std.concat(),
+        smooth: moved.smooth_shift.concat(),
         residual,
         rows,
         masses: p,
@@ -222,23 +222,15 @@ pub(super) fn said(problem: &Problem, fit: &Fit) -> MotionUse {
 
 /// The share of Δ in what an explanation leaves, with masses and its effects free.
 fn share_beside(problem: &Problem, fit: &Fit, moved: &Arc<Moved>) -> Option<Share> {
-    let (slopes, moving) = (fit.slopes(), problem.first().weight.len());
-    let columns = DMatrix::from_fn(
-        slopes.nrows(),
-        1 + slopes.ncols(),
-        |row, column| match column {
-            0 if row < moving => moved.shift[row / 2][row % 2] * problem.first().weight[row],
-            0 => 0.0,
-            column => slopes[(row, column - 1)],
-        },
-    );
+    let slopes = fit.slopes();
+    let whitened = |shift: &Vec<[f64; 2]>| {
+        let own = shift.iter().flatten().zip(&problem.first().weight);
+        let mut all: Vec<f64> = own.map(|(by, weight)| by * weight).collect();
+        all.resize(slopes.nrows(), 0.0);
+        all
+    };
+    let shifts = [&moved.shift, &moved.smooth_shift].map(whitened);
     let masses = problem.masses(&fit.terms);
-    let unknown = moved.std.iter().flatten().zip(&problem.first().weight);
-    let unknown = unknown.map(|(std, weight)| (std * weight).powi(2)).sum();
     let left = |x: &DMatrix<f64>| masses.project_out(x);
-    let share = Share::of(&columns, unknown, &fit.residual(), left, 1.0)?;
-    Some(Share {
-        value: 1.0 + share.value,
-        ..share
-    })
+    Share::of(shifts, &slopes, &fit.residual(), left, 1.0)
 }

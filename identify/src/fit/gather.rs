@@ -27,7 +27,7 @@ use crate::observations::noise::{Known, LEAST_STD};
 use crate::observations::repeats::{Group, Repeats};
 use crate::observations::revisits::Again;
 use crate::observations::row_matrix::RowMatrix;
-use crate::observations::rows::{Measurement, Rows};
+use crate::observations::rows::{ByMotion, Measurement, Rows};
 use crate::observations::sample_count;
 
 /// A log that was read.
@@ -210,7 +210,7 @@ impl Gathered {
         let rows = measurement.moving_rows(block, motion)?;
         let std = self.deviations(block, &rows);
         self.stream.moving.0 += rows.motion.len();
-        let shifts = rows.motion.iter().flat_map(|(shift, _)| shift);
+        let shifts = rows.motion.iter().flat_map(|shift| shift.read);
         self.stream.moving.1 += shifts.map(|x| x * x).sum::<f64>();
         self.readings += block.len() as u64;
         let trust = match robust {
@@ -330,7 +330,7 @@ impl Gathered {
         self.tiny += stated.iter().filter(small).count() as u64;
         let floored = stated.iter().map(|std| std.map(|s| s.max(LEAST_STD)));
         let mut all: Vec<[f64; 2]> = floored.collect();
-        for (std, (_, own)) in all.iter_mut().zip(&rows.motion) {
+        for (std, ByMotion { std: own, .. }) in all.iter_mut().zip(&rows.motion) {
             *std = [std[0].hypot(own[0]), std[1].hypot(own[1])];
         }
         all

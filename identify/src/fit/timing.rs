@@ -117,8 +117,10 @@ impl Timing {
             true => timing(Head::of(&first, measurement, None)?),
             false => Timing { plan, ..found },
         };
+        let plan = found.plan.as_ref();
         Ok(Timing {
             motion: MotionUse {
+                too_fast: plan.is_some_and(|plan| plan.is_too_coarse),
                 share,
                 rms_m: seen,
                 step_s: correlation::step(t),
@@ -144,8 +146,8 @@ struct Head {
     stays: Vec<Range<usize>>,
     /// What motion adds to readings, m; zero where joints stand.
     shift: Vec<[f64; 2]>,
-    /// Its deviation, m.
-    shift_std: Vec<[f64; 2]>,
+    /// The same by smooth motion, m.
+    smooth: Vec<[f64; 2]>,
     /// Whether joints move.
     moves: bool,
     /// See [`Timing`].
@@ -207,7 +209,7 @@ impl Head {
         };
         let column = Column {
             shift: over_std(&self.shift),
-            shift_std: over_std(&self.shift_std),
+            smooth: over_std(&self.smooth),
             residual: reading - &rows * cad,
             rows,
             masses: cad.len(),
@@ -223,14 +225,14 @@ impl Head {
         } = rows;
         self.moves |= !motion.is_empty();
         let by = |k: usize| motion.get(k).copied().unwrap_or_default();
-        self.shift.extend((0..block.len()).map(|k| by(k).0));
-        self.shift_std.extend((0..block.len()).map(|k| by(k).1));
+        self.shift.extend((0..block.len()).map(|k| by(k).read));
+        self.smooth.extend((0..block.len()).map(|k| by(k).smooth));
         self.rows += block.len();
         self.t.extend(block.t.iter().flatten());
         for k in 0..block.len() {
             let std = block.std.as_ref().map_or([1.0; 2], |all| all[k]);
             let own = motion.get(k).filter(|_| block.std.is_some());
-            let own = own.map_or([0.0; 2], |(_, std)| *std);
+            let own = own.map_or([0.0; 2], |shift| shift.std);
             let std = [0, 1].map(|axis| std[axis].max(LEAST_STD).hypot(own[axis]));
             self.std.push(std);
             let support = block.support.as_ref().map_or("", |all| &all[k]);

@@ -4,9 +4,9 @@
 //! y = Y r + a Δ + noise        Δ = ZMP − static CoP by CAD, a: the share, 1 where all is known
 //! ```
 //!
-//! Δ is known to σ_Δ, by accelerations: noise of Δ makes least squares see less of it than there
-//! is, so that its power Σ σ_Δ² is taken from the normal equations (corrected least squares, Fuller
-//! 1987, 2.2).
+//! Noise of accelerations makes least squares see less of Δ than there is. Δ by smooth motion, z,
+//! has the same motion and hardly that noise: it is the instrumental variable (Söderström & Stoica,
+//! System Identification, 1989, 8), `a = zᵀS y / zᵀS Δ` beside what else is free.
 //!
 //! Readings hold Δ by the laws of mechanics, whether noise lets it be seen or not. Those of a
 //! log that was averaged in standing postures, or simulated so, hold none though its joints
@@ -56,50 +56,44 @@ impl Share {
         off > CERTAIN * self.std && off > CLEARLY
     }
 
-    /// Least squares of whitened rows `residual ≈ columns · x`, of which the first column is
-    /// what motion adds, with noise of power `unknown`, and `left` what is left of vectors beside
-    /// masses; `rows_per_sample` rows are worth one. `None` where readings do not tell.
+    /// The share in whitened readings, of which `residual` is left where all of `shift` is taken;
+    /// `instrument` is the shift by smooth motion, `beside` columns that are free, and `left` what is
+    /// left of vectors beside masses; `rows_per_sample` rows are worth one. `None` where readings do
+    /// not tell.
     pub(crate) fn of(
-        columns: &DMatrix<f64>,
-        unknown: f64,
+        [shift, instrument]: [Vec<f64>; 2],
+        beside: &DMatrix<f64>,
         residual: &DVector<f64>,
         left: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
         rows_per_sample: f64,
     ) -> Option<Share> {
-        let inner = left(columns);
-        let mut normal = columns.tr_mul(&inner);
-        let power = normal[(0, 0)];
-        if power <= unknown {
-            return None;
-        }
-        normal[(0, 0)] -= unknown;
-        let scale: Vec<f64> = (0..normal.nrows())
-            .map(|k| normal[(k, k)].max(f64::MIN_POSITIVE).sqrt())
-            .collect();
-        for a in 0..scale.len() {
-            for b in 0..scale.len() {
-                normal[(a, b)] /= scale[a] * scale[b];
-            }
-            // Directions without information stay where they are.
-            normal[(a, a)] += 1e-9;
-        }
-        let mut gradient = inner.tr_mul(residual);
-        // Readings were compared with all of Δ, its noise among it.
-        gradient[0] += unknown;
-        let gradient = DVector::from_fn(scale.len(), |k, _| gradient[k] / scale[k]);
-        let factor = normal.cholesky()?;
-        let step = factor.solve(&gradient);
-        let unscaled = DVector::from_fn(scale.len(), |k, _| step[k] / scale[k]);
-        let rest = residual - columns * &unscaled;
-        let rest = DMatrix::from_column_slice(rest.len(), 1, rest.as_slice());
-        let square = rest.dot(&left(&rest));
-        let spare = (residual.len() as f64 / rows_per_sample - scale.len() as f64).max(1.0);
+        let columns = [instrument, shift, residual.as_slice().to_vec()];
+        let mut columns = DMatrix::from_columns(&columns.map(DVector::from_vec));
+        let scale = beside
+            .column_iter()
+            .map(|own| own.norm().max(f64::MIN_POSITIVE));
+        let mut beside = beside.clone();
+        beside
+            .column_iter_mut()
+            .zip(scale)
+            .for_each(|(mut own, scale)| own /= scale);
+        let inner = left(&beside);
+        let mut normal = beside.tr_mul(&inner);
+        // Directions without information stay where they are.
+        (0..normal.nrows()).for_each(|k| normal[(k, k)] += 1e-9);
+        columns -= &beside * normal.cholesky()?.solve(&inner.tr_mul(&columns));
+        let products = columns.tr_mul(&left(&columns));
+        let both = products[(0, 1)];
+        let missing = products[(0, 2)] / both;
+        let square =
+            products[(2, 2)] - missing * (2.0 * products[(1, 2)] - missing * products[(1, 1)]);
+        let unknowns = 1.0 + beside.ncols() as f64;
+        let spare = (residual.len() as f64 / rows_per_sample - unknowns).max(1.0);
         // What is left says how well readings are known, whatever their noise was said to be.
-        let beside = (square / rows_per_sample / spare).max(1.0);
-        let variance = factor.inverse()[(0, 0)] / (scale[0] * scale[0]) * power / (power - unknown);
+        let noise = (square / rows_per_sample / spare).max(1.0) * rows_per_sample;
         let share = Share {
-            value: unscaled[0],
-            std: (variance * beside * rows_per_sample).sqrt(),
+            value: 1.0 + missing,
+            std: (noise * products[(0, 0)]).sqrt() / both.abs(),
         };
         (share.value.is_finite() && share.std < TOLD).then_some(share)
     }
@@ -109,8 +103,8 @@ impl Share {
 pub(crate) struct Column {
     /// Shift of the readings that CAD predicts, x and y in turn, m or over deviations.
     pub shift: Vec<f64>,
-    /// Its deviation, likewise.
-    pub shift_std: Vec<f64>,
+    /// The same by smooth motion.
+    pub smooth: Vec<f64>,
     /// Readings less those of CAD in motion, likewise.
     pub residual: DVector<f64>,
     /// Rows of the base parameters, and of what else may be off, likewise.
@@ -124,12 +118,10 @@ impl Column {
     /// `unsure` (F, p × m); `rows_per_sample` rows are worth one.
     pub(crate) fn share(&self, unsure: &DMatrix<f64>, rows_per_sample: f64) -> Option<Share> {
         let n = self.residual.len();
-        let columns = DMatrix::from_fn(n, 3, |row, column| match column {
-            0 => self.shift[row],
-            column => f64::from(u8::from(column == 1 + row % 2)),
-        });
+        let constants = DMatrix::from_fn(n, 2, |row, axis| f64::from(u8::from(axis == row % 2)));
         let free = DMatrix::from_fn(n, self.masses + 3, |r, c| match c {
-            c if c < 3 => columns[(r, c)],
+            0 => self.shift[r],
+            c if c < 3 => constants[(r, c - 1)],
             c => self.rows[(r, c - 3)],
         });
         let (square, _) = correlation::left(&free, &self.residual);
@@ -141,18 +133,8 @@ impl Column {
         let inner = inner.cholesky()?;
         let left = |x: &DMatrix<f64>| x - &k * inner.solve(&k.tr_mul(x));
         let residual = &self.residual / noise;
-        let unknown: f64 = self.shift_std.iter().map(|std| (std / noise).powi(2)).sum();
-        let share = Share::of(
-            &(columns / noise),
-            unknown,
-            &residual,
-            left,
-            rows_per_sample,
-        )?;
-        Some(Share {
-            value: 1.0 + share.value,
-            ..share
-        })
+        let shifts = [&self.shift, &self.smooth].map(|all| all.iter().map(|x| x / noise).collect());
+        Share::of(shifts, &constants, &residual, left, rows_per_sample)
     }
 }
 
@@ -171,6 +153,8 @@ pub struct MotionUse {
     pub rows_left_out: u64,
     /// Between rows, s; none of logs without times in order.
     pub step_s: Option<f64>,
+    /// Whether joints move faster than the rows show.
+    pub too_fast: bool,
     /// The same in a sentence; empty of a log without times, or whose joints stand.
     pub sentence: String,
 }
@@ -183,6 +167,7 @@ impl MotionUse {
         rms_m: 0.0,
         rows_left_out: 0,
         step_s: None,
+        too_fast: false,
         sentence: String::new(),
     };
 
@@ -214,6 +199,10 @@ impl MotionUse {
             ),
             _ => String::new(),
         };
+        if self.used && self.too_fast {
+            self.sentence += " Joints move faster than the rows show, so that accelerations are known \
+                              in part: record more rows a second, 8 to a swing, or slower motions.";
+        }
         self
     }
 
@@ -264,6 +253,7 @@ impl MotionUse {
             (a, b) => a.or(b),
         };
         self.used |= other.used;
+        self.too_fast |= other.too_fast;
         self.rms_m = self.rms_m.max(other.rms_m);
         self.rows_left_out += other.rows_left_out;
         let steps = self.step_s.into_iter().chain(other.step_s);
@@ -283,16 +273,17 @@ mod tests {
         let n = 4000;
         for share in [1.0, 0.0] {
             let mut noise = noise(1.0);
-            let (mut shift, mut residual) = (Vec::new(), Vec::new());
+            let (mut shift, mut smooth, mut residual) = (Vec::new(), Vec::new(), Vec::new());
             for row in 0..n {
                 // As much noise as motion.
                 let (truth, error) = ((0.1 * f64::from(row)).sin() * 2e-3, 2e-3 * noise());
+                smooth.push(0.9 * truth + 2e-4 * noise());
                 shift.push(truth + error);
                 residual.push(share * truth - (truth + error) + 1e-3 * noise());
             }
             let column = Column {
                 shift,
-                shift_std: vec![2e-3; n as usize],
+                smooth,
                 residual: DVector::from_vec(residual),
                 rows: DMatrix::zeros(n as usize, 1),
                 masses: 1,

@@ -208,6 +208,7 @@ impl Postures {
             data.other_contact = gathering.kept.iter().map(mean).collect();
         }
         data.motion_use.step_s = reader.step_s;
+        data.motion_use.too_fast = reader.plan.as_ref().is_some_and(|plan| plan.is_too_coarse);
         data.motion = reader.plan.is_some().then(|| gathering.motion(dof));
         data.summary = reader.summary();
         data.rows = taken;

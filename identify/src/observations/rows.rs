@@ -100,9 +100,19 @@ pub struct Rows {
     pub matrix: RowMatrix,
     /// x, y, x, y, …, m; less what of the motion is no matter of parameters.
     pub reading: DVector<f64>,
-    /// What motion adds to readings by CAD, and how well that is known, m; empty where joints
-    /// stand.
-    pub motion: Vec<([f64; 2], [f64; 2])>,
+    /// What motion adds to readings; empty where joints stand.
+    pub motion: Vec<ByMotion>,
+}
+
+/// What motion adds to a reading by CAD, x and y, m.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ByMotion {
+    /// By the motion that was read.
+    pub read: [f64; 2],
+    /// By smooth motion.
+    pub smooth: [f64; 2],
+    /// Deviation of the first.
+    pub std: [f64; 2],
 }
 
 impl Rows {
@@ -180,8 +190,9 @@ impl<'r> Measurement<'r> {
             if let Some(moved) = &moved {
                 let flat = moved.correction.iter().flatten();
                 reading.iter_mut().zip(flat).for_each(|(y, by)| *y -= by);
-                let std = moved.std.iter().copied();
-                rows.motion.extend(moved.shift.iter().copied().zip(std));
+                let both = moved.shift.iter().zip(&moved.smooth_shift).zip(&moved.std);
+                let shifts = both.map(|((&read, &smooth), &std)| ByMotion { read, smooth, std });
+                rows.motion.extend(shifts);
             }
             let entries = &mut rows.matrix.entries[own.start * p..own.end * p];
             match (&standing.shift, moved) {

@@ -56,6 +56,9 @@ pub struct Moved {
     pub rows: RowMatrix,
     /// The ZMP less the static CoP, by CAD, m.
     pub shift: Vec<[f64; 2]>,
+    /// The same by smooth motion, which hardly has the noise of joints; as it is where that is not
+    /// known.
+    pub smooth_shift: Vec<[f64; 2]>,
     /// How the CoM is accelerated upwards by CAD, over gravity.
     pub lift: Vec<f64>,
     /// What is taken from readings, so that rows times parameters is what is left, m.
@@ -101,6 +104,7 @@ impl Moved {
     fn add_rows(&mut self, parts: &Parts, smooth: &[f64], tilt: [f64; 2], zmp: &Zmp) {
         let p = zmp.params.len();
         let by = zmp.parts(smooth, &zmp.params);
+        self.smooth_shift.push(by.shift(tilt));
         let row = |row: usize| &smooth[row * p..(row + 1) * p];
         self.correction.push([0, 1].map(|axis| {
             let push = by.gain[axis] - GRAVITY * tilt[axis];
@@ -272,6 +276,7 @@ impl Zmp {
         for part in parts {
             moved.rows.entries.extend(part.rows.entries);
             moved.shift.extend(part.shift);
+            moved.smooth_shift.extend(part.smooth_shift);
             moved.lift.extend(part.lift);
             moved.correction.extend(part.correction);
             moved.std.extend(part.std);

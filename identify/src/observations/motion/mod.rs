@@ -66,6 +66,8 @@ const LEAST_LEFT: f64 = 0.2;
 pub struct Plan {
     /// Between rows, s.
     pub step_s: f64,
+    /// Whether there are less than some eight rows to a swing.
+    pub is_too_coarse: bool,
     half: f64,
     terms: usize,
     /// What accelerations of each joint are multiplied by, since windows bend them.
@@ -83,6 +85,8 @@ struct Survey {
     sums: [f64; 4],
     /// The same of each joint.
     joints: Vec<[f64; 4]>,
+    /// Sum of s² of each joint.
+    variances: Vec<f64>,
 }
 
 /// What is to be known of a motion beside its velocities and accelerations.
@@ -136,7 +140,9 @@ impl Plan {
             let is_bent = OF_HIGH * bent(survey.sums).1 > BENT;
             let seconds = *shortest.get_or_insert(survey.seconds());
             let is_short = best.is_some() && survey.seconds() < COVERED * seconds;
-            if step_s > LONGEST_S * 1.02 && is_bent || is_short {
+            // Windows longer than a swing leave it, and their orders agree.
+            let leaves = best.is_some() && survey.left() > NOISIEST;
+            if step_s > LONGEST_S * 1.02 && is_bent || is_short || leaves {
                 break;
             }
             for (terms, error) in survey.errors() {
@@ -144,6 +150,7 @@ impl Plan {
                     let unbend = survey.unbend(terms);
                     let plan = Plan {
                         step_s,
+                        is_too_coarse: survey.is_too_coarse(),
                         half,
                         terms,
                         unbend,
@@ -336,6 +343,7 @@ impl Survey {
         let mut survey = Survey {
             stride: span * stride as f64 / count as f64,
             joints: vec![[0.0; 4]; dof],
+            variances: vec![0.0; dof],
             ..Survey::default()
         };
         for (node, around) in nodes.moving(stride) {
@@ -352,6 +360,7 @@ impl Survey {
                     variance * high.weight * high.weight,
                     variance * low.weight * low.weight,
                 ];
+                survey.variances[joint] += variance;
                 let sums = survey.joints[joint].iter_mut();
                 sums.zip(own).for_each(|(sum, own)| *sum += own);
             }
@@ -363,6 +372,19 @@ impl Survey {
     /// Time that windows are whole for, times joints, s.
     fn seconds(&self) -> f64 {
         self.count * self.stride
+    }
+
+    /// What order 4 leaves of the positions of the joint of which it leaves most, RMS, rad or m.
+    fn left(&self) -> f64 {
+        let windows = self.count / self.variances.len() as f64;
+        let most = self.variances.iter().copied().fold(0.0, f64::max);
+        (most / windows.max(1.0)).sqrt()
+    }
+
+    /// Whether order 3 bends more of accelerations than can be made good, and order 4 leaves more of
+    /// positions than markers have noise.
+    fn is_too_coarse(&self) -> bool {
+        bent(self.sums).1 > MOST_BENT && self.left() > 0.5 * NOISIEST
     }
 
     /// What accelerations of each joint are to be multiplied by. Those by order 3 are taken where

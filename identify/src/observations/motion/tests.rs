@@ -78,6 +78,25 @@ fn logs_with_long_intervals_know_no_accelerations() {
     assert_eq!(plan.motion((&t, &q, 1), 0..t.len(), Wanted::Changes), None);
 }
 
+/// Less than some eight rows to a swing do not show it.
+#[test]
+fn motion_faster_than_its_rows_is_known_as_such() {
+    for (step, hertz, is_too_coarse) in [
+        (0.1, 0.5, false),
+        (0.1, 1.0, false),
+        (0.1, 1.8, true),
+        (0.02, 3.0, false),
+        (0.02, 6.0, true),
+    ] {
+        let (t, q) = swing(step, 60.0, hertz);
+        let plan = Plan::of(&t, &q, 1).unwrap();
+        assert_eq!(
+            plan.is_too_coarse, is_too_coarse,
+            "{hertz} Hz every {step} s"
+        );
+    }
+}
+
 /// Rows at the ends and beside a pause have no window, unless the robot stands there.
 #[test]
 fn edges_have_no_window_unless_the_robot_stands() {
