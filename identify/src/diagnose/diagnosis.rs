@@ -161,6 +161,7 @@ pub(super) fn find<'m>(
         warnings: Vec::new(),
         samples: SampleCount::default(),
         motion: problem.data().motion_use.clone(),
+        weight: problem.data().weight,
         visits: problem.data().visits,
         closure,
         again: noise::untold(problem, verdict)

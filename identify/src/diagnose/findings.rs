@@ -11,6 +11,8 @@ use super::problem::{Fit, Untold};
 use crate::NextStep;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
+pub use crate::logs::Quantity;
+use crate::logs::Weight;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
 use crate::observations::repeats::Visits;
@@ -65,16 +67,6 @@ pub struct Gap {
     pub rmse_y: f64,
     /// Mean of reading − prediction.
     pub bias: [f64; 2],
-}
-
-/// An estimate with its standard deviation, in the unit that its name ends in.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Quantity {
-    /// The estimate.
-    pub value: f64,
-    /// Its standard deviation.
-    pub std: f64,
 }
 
 /// One effect of the explanation, in the order in which they close the gap.
@@ -352,6 +344,9 @@ pub struct Diagnosis {
     pub samples: SampleCount,
     /// How motion of the joints counted.
     pub motion: MotionUse,
+    /// What the robot weighs by the total force; none of a log without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weight: Option<Weight>,
     /// Scatter between visits of a posture; none if no posture was visited again.
     pub visits: Option<Visits>,
     /// How both soles lie on one floor; none of a log of one foot.

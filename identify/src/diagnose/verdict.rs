@@ -72,6 +72,7 @@ fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
         parts.push(d.motion.sentence.clone());
     }
     parts.extend(d.health.iter().map(|finding| finding.sentence.clone()));
+    parts.extend(d.weight.and_then(|weight| weight.sentence()));
     parts.extend(d.closure.iter().map(|closure| closure.sentence.clone()));
     let mut lead = parts.clone();
     let clauses = words::clauses(problem, &found.best);

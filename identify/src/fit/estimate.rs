@@ -95,6 +95,7 @@ pub fn identify(
             closure.sentence
         ));
     }
+    warnings.extend(gathered.weight.and_then(|weight| weight.sentence()));
     let told_by = misfit.map_or(noise.df, |test| test.df);
     let sigma = noise.sigma * inflation * widening(told_by);
     let guessed = noise.source == NoiseSource::Unknown;
@@ -206,6 +207,7 @@ pub fn identify(
         },
         visits: gathered.repeats.visits(),
         closure: gathered.closure.clone(),
+        weight: gathered.weight,
         again: match noise.source {
             NoiseSource::Residuals | NoiseSource::Unknown => gathered.again.clone(),
             // Readings of single visits are known, and the fit leaves more than they scatter.

@@ -18,7 +18,7 @@ use super::timing::Timing;
 use crate::Error;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
-use crate::logs::Block;
+use crate::logs::{Block, Weight};
 use crate::observations::correlation::Independent;
 use crate::observations::grouping::{DOWN, Grouping, Visit};
 use crate::observations::motion::Motion;
@@ -101,6 +101,9 @@ pub struct Gathered {
     pub closure: Option<ClosureFound>,
     /// Postures to reach once more, where nothing tells the noise.
     pub again: Option<Again>,
+    /// What the robot weighs, of the log in which it is farthest from its URDF.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weight: Option<Weight>,
     #[serde(skip)]
     pub(super) postures: Grouping<Group>,
     #[serde(skip)]

@@ -15,6 +15,7 @@ use super::prior::Prior;
 use crate::NextStep;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
+use crate::logs::Weight;
 use crate::lsq::solve::Estimate;
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::NoiseSource;
@@ -159,6 +160,10 @@ pub struct Identification {
     pub samples: SampleCount,
     /// How motion of the joints counted.
     pub motion: MotionUse,
+    /// What the robot weighs by the total force, of the log in which it is farthest from the URDF;
+    /// none of logs without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weight: Option<Weight>,
     /// Scatter between visits of a posture; none if no posture was visited again.
     pub visits: Option<Visits>,
     /// Where the noise was taken from.

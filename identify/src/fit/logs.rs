@@ -14,7 +14,7 @@ use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
 use super::timing::Timing;
 use crate::feet::{Closure, ClosureFound, Places, of_many, of_one_foot};
 use crate::health::{self, Finding};
-use crate::logs::{BLOCK, Options, ROOM, Readings, Samples};
+use crate::logs::{BLOCK, Options, ROOM, Readings, Samples, Weight};
 use crate::observations::motion::Wanted;
 use crate::observations::moving::Moving;
 use crate::observations::postures::Postures;
@@ -147,6 +147,8 @@ impl<'r> Logs<'r> {
             gathered.again = self.again(&gathered, watch)?;
         }
         gathered.closure = self.closure(watch)?;
+        let weights = self.samples.iter().filter_map(|samples| samples.weight);
+        gathered.weight = weights.reduce(Weight::farther);
         gathered.health.append(&mut self.findings);
         let supports = measurement.supports();
         Ok((supports.into_iter().map(str::to_string).collect(), gathered))

@@ -169,7 +169,7 @@ fn examine_views(views: &[View], axes: bool) -> Health {
 /// # Errors
 /// What is wrong with the log; when `watch` stops it.
 pub(crate) fn look(
-    samples: Samples,
+    mut samples: Samples,
     (robot, model): (&Robot, &Model),
     (snapping, noise, alone): (Snapping, Option<f64>, bool),
     watch: &mut dyn Watch,
@@ -179,12 +179,10 @@ pub(crate) fn look(
         model,
         snapping,
     };
-    let (rows, left_out, findings) = judge(&samples, on, noise, watch)?;
+    let (rows, left_out, findings) = judge(&mut samples, on, noise, watch)?;
     // At most 2000 postures.
     let stride = rows.len().div_ceil(2000).max(1);
-    let kept = |k: &usize| {
-        left_out.keeps(rows.readings()[*k], rows.force(*k)) && left_out.follows(rows.q(*k))
-    };
+    let kept = |k: &usize| left_out.keeps(&rows.block, *k) && left_out.follows(rows.q(*k));
     let chosen: Vec<usize> = (0..rows.len()).filter(kept).step_by(stride).collect();
     if chosen.is_empty() {
         return Ok((samples, findings));
@@ -209,7 +207,7 @@ pub(crate) fn look(
 /// # Errors
 /// What is wrong with the log; when `watch` stops it.
 pub(crate) fn screen(
-    samples: Samples,
+    mut samples: Samples,
     (robot, model): (&Robot, &Model),
     noise: Option<f64>,
     watch: &mut dyn Watch,
@@ -219,20 +217,21 @@ pub(crate) fn screen(
         model,
         snapping: Snapping::default(),
     };
-    let (_, left_out, findings) = judge(&samples, on, noise, watch)?;
+    let (_, left_out, findings) = judge(&mut samples, on, noise, watch)?;
     Ok((screened(samples, left_out), findings))
 }
 
 /// Rows of a log, what to leave out of them, and what is wrong with them, by themselves and beside
-/// what CAD says.
+/// what CAD says; the log learns what it weighs.
 fn judge(
-    samples: &Samples,
+    samples: &mut Samples,
     on: On,
     noise: Option<f64>,
     watch: &mut dyn Watch,
 ) -> Result<(LogRows, LeftOut, Vec<Finding>), Error> {
     let rows = LogRows::read(samples, on, noise, watch)?;
-    let (mut left_out, mut findings) = rows::judge(&rows, on);
+    let (mut left_out, mut findings, weight) = rows::judge(&rows, on);
+    samples.weight = weight;
     findings.extend(parked(&rows, on, &mut left_out));
     Ok((rows, left_out, findings))
 }

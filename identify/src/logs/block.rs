@@ -71,6 +71,14 @@ impl Block {
         cells.map_or(&[], |cells| &cells.force[of(cells)])
     }
 
+    /// Total force of a row on the support, N: of its own column, else of the foot cells.
+    pub(crate) fn total_force(&self, row: usize) -> Option<f64> {
+        match &self.load {
+            Some(load) => Some(load[row].abs()),
+            None => self.cells.as_ref().map(|_| self.forces(row).iter().sum()),
+        }
+    }
+
     /// Keep the rows for which `keep` says so.
     pub fn retain(&mut self, keep: &[bool]) {
         let is_kept = |row: &usize| keep.get(*row).copied().unwrap_or(true);

@@ -81,7 +81,7 @@ pub const COLUMNS: [Column; 10] = [
     column(&["fsr_k_std"], "N", Bound::FORCE.of_deviation(), Need::OfReading,
         "standard deviation of a single reading of that force"),
     column(&[FZ], "N", Bound::FORCE, Need::OfReading,
-        "total force on the support, compared with the weight of the robot"),
+        "total force on the support, up positive: it weighs the robot and what it carries"),
     column(&GRAVITY, "m/s²", Bound::ANY, Need::Never, "gravity in the support frame"),
 ];
 

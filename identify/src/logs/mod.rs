@@ -37,6 +37,7 @@ mod suspect;
 mod table;
 #[cfg(test)]
 mod tests;
+mod weight;
 mod writer;
 
 pub(crate) use block::keep_some;
@@ -56,4 +57,5 @@ pub use settings::{Angles, Options, Readings, Sidecar, Stays};
 #[doc(hidden)]
 pub use source::panic_becomes_error;
 pub use table::{Table, Values};
+pub use weight::{Quantity, Weight};
 pub use writer::{PREDICTED, PostureWriter};

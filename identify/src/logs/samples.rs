@@ -16,6 +16,7 @@ use super::bounds::LEAST_LOAD_N;
 use super::input::LogSource;
 use super::reader::{BLOCK, Kept, PostureReader, Screening, joints};
 use super::settings::{Options, Sidecar};
+use super::weight::Weight;
 use crate::Error;
 use crate::watch::{Watch, tell};
 
@@ -40,6 +41,8 @@ pub struct Samples {
     pub options: Options,
     /// What the sidecar says, completed by what a recording says itself.
     pub sidecar: Sidecar,
+    /// What it weighs, where it has the total force and was looked at.
+    pub weight: Option<Weight>,
     kept: Option<Arc<Kept>>,
     /// Whether nothing stands on the foot cells in some row that is kept.
     unloaded: bool,
@@ -96,6 +99,7 @@ impl Samples {
         Ok(Samples {
             log: log.clone(),
             screen: None,
+            weight: None,
             dofs,
             options: options.clone(),
             sidecar: reader.sidecar.clone(),

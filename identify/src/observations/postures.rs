@@ -23,7 +23,7 @@ use super::noise::{self, LEAST_STD, NoiseSource};
 use super::repeats::Visits;
 use super::rows;
 use super::zmp::Moved;
-use crate::logs::{BLOCK, Samples, Summary, keep_some};
+use crate::logs::{BLOCK, Samples, Summary, Weight, keep_some};
 use crate::watch::{Watch, tell};
 use crate::{Error, Message, Setting, message};
 
@@ -102,6 +102,8 @@ pub struct Postures {
     pub moved: Option<Arc<Moved>>,
     /// How motion counts.
     pub motion_use: MotionUse,
+    /// What the robot weighs, where the log has its total force.
+    pub weight: Option<Weight>,
 }
 
 impl Postures {
@@ -202,6 +204,7 @@ impl Postures {
         let mut data = Postures::of(dof, &gathering, (stated, timed), (noise, floor));
         data.cells = sidecar.cells.clone().unwrap_or_default();
         data.raw_cells = raw;
+        data.weight = samples.weight;
         data.other_foot = sidecar.other_foot.clone();
         if contacts {
             let mean = |posture: &Posture| posture.other.map(|sum| sum / posture.rows);
@@ -294,6 +297,7 @@ impl Postures {
             motion: None,
             moved: None,
             motion_use: MotionUse::NONE,
+            weight: None,
         };
         for (k, posture) in all.iter().enumerate() {
             let q = posture.mean();

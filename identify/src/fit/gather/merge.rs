@@ -4,6 +4,7 @@ use sesc_model::standard::Shift;
 
 use super::{Gathered, LogUsed};
 use crate::feet::ClosureFound;
+use crate::logs::Weight;
 use crate::{Message, Setting, message};
 
 /// Sums of a log are not larger, nor its rows more: what values within their bounds give.
@@ -100,6 +101,8 @@ impl Gathered {
         self.motion.merge(&other.motion);
         let closures = self.closure.take().into_iter().chain(other.closure);
         self.closure = closures.reduce(ClosureFound::worse);
+        let weights = self.weight.take().into_iter().chain(other.weight);
+        self.weight = weights.reduce(Weight::farther);
         self.correlated |= other.correlated;
         for (sum, more) in self.axes.iter_mut().zip(other.axes) {
             *sum += more;

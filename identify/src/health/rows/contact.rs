@@ -40,24 +40,27 @@ const DISTANCE: &str = "Distance of the CoP from the origin, mm";
 /// Rows without load, or with a CoP of exactly zero where CAD has it elsewhere.
 pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let mut rules = LeftOut::default();
-    let load = |k: usize| rows.force(k).iter().sum::<f64>();
-    if rows.cells() > 0 {
+    let known = rows.block.total_force(0).is_some();
+    let load = |k: usize| rows.block.total_force(k).unwrap_or(f64::INFINITY);
+    if known {
         let typical = quantile((0..rows.len()).map(load), 0.5)?;
         rules.least_load = Some((LEAST_LOAD * typical).max(LEAST_LOAD_N));
-    } else {
+    }
+    if rows.cells() == 0 {
         let elsewhere = |k: usize| rows.cad[k][0].hypot(rows.cad[k][1]) > UNKNOWN_NOISE_M;
         let zero = |k: &usize| rows.readings()[*k] == [0.0; 2] && elsewhere(*k);
         rules.zero = (0..rows.len()).filter(zero).count() >= FEW_ROWS;
     }
-    let gone = |k: usize| !rules.keeps(rows.readings()[k], rows.force(k));
+    let gone = |k: usize| !rules.keeps(&rows.block, k);
     let lost: Vec<usize> = (0..rows.len()).filter(|&k| gone(k)).collect();
-    let few = if rows.cells() > 0 { 1 } else { FEW_ROWS };
+    let few = if known { 1 } else { FEW_ROWS };
     if lost.len() < few || lost.len() as f64 > NEARLY_ALL * rows.len() as f64 {
         return None;
     }
     let stretches = lost.chunk_by(|a, b| *b == a + 1).count();
     let what = match rows.cells() {
-        0 => "the CoP is exactly zero",
+        0 if !known => "the CoP is exactly zero",
+        0 => "next to nothing stands on the sensor",
         _ => "next to nothing stands on the cells",
     };
     (left_out.least_load, left_out.zero) = (rules.least_load, rules.zero);
@@ -69,10 +72,10 @@ pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
         if stretches == 1 { "" } else { "es" },
     );
     let about = (Kind::ContactLost, "-", sentence);
-    Some(if rows.cells() > 0 {
-        rows.finding(about, "Load on all cells, N", load, gone)
-    } else {
-        rows.finding(about, DISTANCE, |k| 1e3 * rows.distance(k), gone)
+    Some(match rows.cells() {
+        0 if !known => rows.finding(about, DISTANCE, |k| 1e3 * rows.distance(k), gone),
+        0 => rows.finding(about, "Total force, N", load, gone),
+        _ => rows.finding(about, "Load on all cells, N", load, gone),
     })
 }
 
@@ -244,8 +247,8 @@ pub(super) fn unlike_weight(rows: &LogRows, model: &Model, left_out: &LeftOut) -
         return None;
     }
     let kept = rows.kept(left_out);
-    let load = |k: usize| rows.load(k).unwrap_or(f64::NAN);
-    rows.load(0)?;
+    let load = |k: usize| rows.block.total_force(k).unwrap_or(f64::NAN);
+    rows.block.total_force(0)?;
     let typical = quantile(kept.iter().map(|&k| load(k)), 0.5)?;
     let weight = model.tree.mass * GRAVITY;
     let ratio = typical / weight;

@@ -8,6 +8,7 @@
 //! copies     the same joints and the same reading, to the last digit, once more
 //! noise      stated noise that is several times what CAD leaves
 //! leaps      joints that move faster than they can
+//! held       a total force that is less than the weight for a while, or has two levels
 //! load       a total force that is not the weight; a second sole on the floor
 //! stamps     joints jump from stamp to stamp and not from row to row, or time runs backwards
 //! ```
@@ -30,6 +31,7 @@ mod contact;
 pub(super) mod noise;
 mod screen;
 mod times;
+mod weight;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -43,7 +45,7 @@ use super::finding::{Finding, Kind, Picture, Row};
 use super::view::{On, View, evenly};
 use crate::Error;
 use crate::evaluate::Evaluator;
-use crate::logs::{BLOCK, Block, LogSource, Options, PostureReader, ROOM, Samples};
+use crate::logs::{BLOCK, Block, LogSource, Options, PostureReader, ROOM, Samples, Weight};
 use crate::observations::correlation;
 use crate::observations::criteria::noise::SHOWS;
 use crate::observations::motion::{Plan, Wanted};
@@ -53,6 +55,7 @@ use crate::observations::rows::CopRows;
 use crate::observations::zmp::Zmp;
 use crate::watch::{Watch, tell};
 pub(super) use screen::{LeftOut, LessKnown};
+use weight::Weighed;
 
 /// Rows that are looked at, at most.
 const ROWS: usize = 50_000;
@@ -107,14 +110,6 @@ impl LogRows {
     /// Cells of a row.
     pub fn cells(&self) -> usize {
         self.block.cells.as_ref().map_or(0, |cells| cells.count)
-    }
-
-    /// Total force on the support, N; none of logs that do not have it.
-    pub fn load(&self, row: usize) -> Option<f64> {
-        match &self.block.load {
-            Some(load) => Some(load[row].abs()),
-            None => (self.cells() > 0).then(|| self.force(row).iter().sum()),
-        }
     }
 
     /// Number of a row from 1: among those on this support, or in the log where not all are here.
@@ -184,7 +179,7 @@ impl LogRows {
 
     /// Rows that stay by these rules, stopped encoders and copies aside.
     pub fn kept(&self, rules: &LeftOut) -> Vec<usize> {
-        let stays = |&k: &usize| rules.keeps(self.readings()[k], self.force(k));
+        let stays = |&k: &usize| rules.keeps(&self.block, k);
         (0..self.len()).filter(stays).collect()
     }
 
@@ -352,17 +347,23 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
 }
 
 /// What is wrong with rows, and what to leave out.
-pub(super) fn judge(rows: &LogRows, on: On) -> (LeftOut, Vec<Finding>) {
+pub(super) fn judge(rows: &LogRows, on: On) -> (LeftOut, Vec<Finding>, Option<Weight>) {
     let mut left_out = LeftOut::default();
-    let mut findings = Vec::new();
+    let (mut findings, mut weight) = (Vec::new(), None);
     if rows.len() < FEW_ROWS {
-        return (left_out, findings);
+        return (left_out, findings, weight);
     }
     let model = on.model;
     findings.extend(times::stamps_of_other_rows(rows));
     findings.extend(contact::lost(rows, &mut left_out));
     findings.extend(contact::unplugged(rows));
     findings.extend(contact::unlike_weight(rows, model, &left_out));
+    if let Some(mut weighed) = Weighed::new(rows, model, &left_out) {
+        findings.extend(weighed.held(&mut left_out));
+        let (found, levels) = weighed.weight();
+        findings.extend(levels);
+        weight = found;
+    }
     findings.extend(contact::both_flat(rows, model));
     findings.extend(contact::outside(rows, on, &mut left_out));
     findings.extend(channels::frozen(rows, &mut left_out));
@@ -372,7 +373,7 @@ pub(super) fn judge(rows: &LogRows, on: On) -> (LeftOut, Vec<Finding>) {
     let leaps = || times::leaps(rows, &model.tree.dofs);
     findings.extend(copied.or_else(leaps));
     findings.extend(noise::beside_cad(rows, model, &left_out));
-    (left_out, findings)
+    (left_out, findings, weight)
 }
 
 /// How far a log was looked at.

@@ -3,6 +3,7 @@
 
 use std::collections::HashSet;
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use sesc_model::hash::{START, fnv1a};
@@ -45,8 +46,10 @@ impl End {
 /// Rules for single rows. Those of the default leave out nothing, also no rows without contact.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::health) struct LeftOut {
-    /// Less in total on the cells is no contact, N.
+    /// Less in total on the sensor is no contact, N.
     pub least_load: Option<f64>,
+    /// Stretches in which something else carries the robot, by the places of their rows in the log.
+    pub held: Vec<RangeInclusive<u64>>,
     /// A CoP of exactly zero is no contact.
     pub zero: bool,
     /// Where channels are clipped, and the CoP is none.
@@ -109,14 +112,20 @@ impl LeftOut {
         !parked.any(|(joint, at)| (q[*joint] - at).abs() <= STILL)
     }
 
-    /// Whether a row of this reading, and these loads, stays.
-    pub fn keeps(&self, reading: [f64; 2], force: &[f64]) -> bool {
-        let load = || force.iter().sum::<f64>();
+    /// Whether a row of a block with readings stays.
+    pub fn keeps(&self, block: &Block, row: usize) -> bool {
+        let Some(&reading) = block.reading.as_ref().and_then(|all| all.get(row)) else {
+            return true;
+        };
+        let force = block.forces(row);
+        let load = || block.total_force(row).unwrap_or(f64::INFINITY);
         let is_stale = || match force {
             [] => (0..2).any(|k| self.frozen.contains(&(k, reading[k].to_bits()))),
             force => self.frozen.contains(&(0, key(&[], force))),
         };
+        let stands = |rows: &RangeInclusive<u64>| !rows.contains(&block.line[row]);
         self.least_load.is_none_or(|least| load() >= least)
+            && self.held.iter().all(stands)
             && !(self.zero && reading == [0.0; 2])
             && (self.frozen.is_empty() || !is_stale())
             && !self.ends.iter().any(|end| end.is_reached(reading))
@@ -133,7 +142,7 @@ impl Screen for LeftOut {
             };
             let mut keep = |row: usize| {
                 let (q, force) = (block.joints(row), block.forces(row));
-                rules.keeps(reading[row], force)
+                rules.keeps(block, row)
                     && rules.follows(q)
                     && (!rules.copies || known.insert(key(q, reading_of(&reading[row], force))))
             };
