@@ -84,6 +84,15 @@ impl Tolerances {
         own.or(self.default.mass_kg).unwrap_or(0.0)
     }
 
+    /// Deviation of the robot's total mass, as a part of it: links are off each by itself.
+    pub(crate) fn of_total(&self, model: &Model) -> f64 {
+        let links = model.tree.links.iter();
+        let off = links.map(|link| {
+            (self.of_link(&link.name).0 * link.mass).hypot(self.extra_mass(&link.name))
+        });
+        off.fold(0.0, f64::hypot) / model.tree.mass
+    }
+
     /// Factor of the covariance of θ before `D`, link by link: each is known by itself. Links
     /// that carry no joint to the support, and those whose block is zero, are left out.
     pub(crate) fn of_standard(&self, model: &Model) -> LinkBlocks {

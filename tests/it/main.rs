@@ -37,6 +37,7 @@ mod on_target_fit;
 mod op2;
 mod operations;
 mod plan;
+mod plates;
 mod random_trees;
 mod readme;
 mod recordings;

@@ -21,6 +21,9 @@ use crate::lsq::{transposed_times, without_product};
 pub(super) struct MassPrior {
     /// F: base parameters by directions.
     pub factor: DMatrix<f64>,
+    /// Deviation of the robot's total mass over itself, the last direction; none where nothing
+    /// weighs it.
+    pub total: Option<f64>,
     /// What is known of directions that F has no column for.
     pub beyond: Beyond,
     /// The directions in the rows of all blocks.

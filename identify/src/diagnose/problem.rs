@@ -175,8 +175,16 @@ impl<'m> Problem<'m> {
                 }
                 held => (held.covariance_factor(model), Beyond::Exact),
             };
+            let mut factor = factor.unwrap_or_else(|| DMatrix::zeros(p, 0));
+            let is_weighed = blocks.iter().any(|block| block.weighed.is_some());
+            if is_weighed {
+                // The last direction is the total mass, of which no CoP knows.
+                let directions = factor.ncols();
+                factor = factor.insert_column(directions, 0.0);
+            }
             MassPrior {
-                factor: factor.unwrap_or_else(|| DMatrix::zeros(p, 0)),
+                factor,
+                total: is_weighed.then(|| prior.tolerances().of_total(model)),
                 beyond,
                 nuisance: Arc::default(),
             }
@@ -277,12 +285,25 @@ impl<'m> Problem<'m> {
             block.weight = block.data.std.iter().map(|s| 1.0 / s).collect();
         }
         let rows = self.whitened_rows();
-        let [asked, usual] = &mut self.priors;
-        asked.nuisance = Arc::new(Nuisance::of(&rows * &asked.factor));
-        usual.nuisance = match usual.factor == asked.factor {
-            true => Arc::clone(&asked.nuisance),
-            false => Arc::new(Nuisance::of(&rows * &usual.factor)),
+        let of = |prior: &MassPrior| {
+            let mut k = &rows * &prior.factor;
+            let mut at = 0;
+            for block in &self.blocks {
+                at += block.height();
+                if let (Some([_, std]), Some(total)) = (block.weighed, prior.total) {
+                    k[(at - 1, prior.factor.ncols() - 1)] = total / std;
+                }
+            }
+            Arc::new(Nuisance::of(k))
         };
+        let [asked, usual] = &self.priors;
+        let own = of(asked);
+        let wide = match usual.factor == asked.factor && usual.total == asked.total {
+            true => Arc::clone(&own),
+            false => of(usual),
+        };
+        let [asked, usual] = &mut self.priors;
+        (asked.nuisance, usual.nuisance) = (own, wide);
     }
 
     /// Whitened derivative of all rows by the base parameters; masses move no sole.
@@ -493,7 +514,7 @@ impl<'m> Problem<'m> {
         let mut left = masses.project_out(stacked);
         for (block, range) in self.blocks.iter().zip(self.readings()) {
             if let Some(closure) = &block.closure {
-                let mut own = left.rows_mut(range.end, block.height() - range.len());
+                let mut own = left.rows_mut(range.end, block.soles());
                 let rest = closure.without_common(&own.clone_owned());
                 own.copy_from(&rest);
             }
@@ -516,7 +537,7 @@ impl<'m> Problem<'m> {
         let mut chi2 = masses.chi2(stacked);
         for (block, range) in self.blocks.iter().zip(self.readings()) {
             if let Some(closure) = &block.closure {
-                let own = stacked.rows_range(range.end..range.start + block.height());
+                let own = stacked.rows_range(range.end..range.end + block.soles());
                 let own = own.into_owned();
                 chi2 += own.dot(&closure.without_common_of(&own)) - own.norm_squared();
             }

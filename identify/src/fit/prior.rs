@@ -174,7 +174,7 @@ impl Prior {
     }
 
     /// Tolerances of the masses of links: CAD's usual ones where it says nothing of links.
-    pub(super) fn tolerances(&self) -> Tolerances {
+    pub(crate) fn tolerances(&self) -> Tolerances {
         match self {
             Prior::Cad(tolerances) => tolerances.clone(),
             Prior::Free | Prior::Population(_) | Prior::Fitted(_) => Tolerances::usual(),

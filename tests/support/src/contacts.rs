@@ -16,8 +16,8 @@ use sesc_reference::World;
 use crate::feet::{Noise, TwoFeet};
 use crate::stage::Stage;
 
-/// Weight of the robot, N.
-const WEIGHT_N: f64 = 30.0;
+/// Standard gravity, m/s².
+const GRAVITY: f64 = 9.80665;
 /// How long a posture is held, and how long the robot then moves, s.
 const HELD_S: f64 = 0.5;
 const MOVES_S: f64 = 0.2;
@@ -47,6 +47,7 @@ pub fn recording(
     random: &mut ChaCha8Rng,
 ) -> Vec<u8> {
     let feet = TwoFeet::new(stage);
+    let mass: f64 = stage.robot.links().iter().map(|link| link.mass_kg).sum();
     let mut own: ChaCha8Rng = rand::SeedableRng::seed_from_u64(random.random());
     let mut normal = || -> f64 { StandardNormal.sample(&mut own) };
     let tilt = [(); 2].map(|()| noise.flat_rad * normal());
@@ -82,7 +83,12 @@ pub fn recording(
                 // The mean of a posture has the noise that is asked for.
                 let at = at.map(|x| x + noise.cop_m * mean * normal());
                 let late = 0.003 * number as f64;
-                let data = wrench(t + late, &contacts[number].frame, share * WEIGHT_N, at);
+                let data = wrench(
+                    t + late,
+                    &contacts[number].frame,
+                    share * mass * GRAVITY,
+                    at,
+                );
                 messages.push((t + late, FIRST_WRENCH + number as u16, data));
             }
         }

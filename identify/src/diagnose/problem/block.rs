@@ -5,7 +5,10 @@
 //! y_b = f_b(S_b e, T_b r) + noise        S_b: what an experiment makes of the unknowns
 //!                                        T_b: base parameters here from those of the first block
 //! 0   = h_b(S_b e) + noise               soles of a two-foot stand, see `feet`
+//! m/M = 1 + Σ μ_k/(1 − μ_k) + δ + noise   total force, where the log has it
 //! ```
+//!
+//! μ_k is the share of the weight that a load or a pull of S_b e adds, δ what CAD's mass is off by.
 //!
 //! Masses move no sole, and sensors and the ground's slope do not: what bends the legs does.
 //! Where joints give way, they do so as in the readings, under the moments of a robot that
@@ -14,7 +17,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 use sesc_model::effects::{
     self, Catalog, EffectContext, Experiment, Instance, PostureContext, Stage,
 };
@@ -61,6 +64,8 @@ pub struct Block<'m> {
     motion_rows: Option<Arc<DMatrix<f64>>>,
     /// Both soles on one floor, where the log is of both feet.
     pub(crate) closure: Option<Arc<Closure>>,
+    /// What the total force weighs over CAD's mass, less one, and the deviation of that.
+    pub(super) weighed: Option<[f64; 2]>,
     /// What the log is of beside the first one; none of the first itself.
     pub experiment: Option<Experiment>,
     /// Base parameters here from those of the first block; none on the same support.
@@ -154,6 +159,7 @@ impl<'m> Block<'m> {
             model,
             context,
             weight: data.std.iter().map(|s| 1.0 / s).collect(),
+            weighed: data.weight.map(|weight| weight.excess()),
             data,
             rows: Arc::new(rows),
             motion_rows,
@@ -186,6 +192,7 @@ impl<'m> Block<'m> {
             offset: self.offset.as_ref().map(|own| own.select_rows(&rows)),
             motion_rows: None,
             closure: None,
+            weighed: None,
             ..self.clone()
         }
     }
@@ -227,14 +234,20 @@ impl<'m> Block<'m> {
             offset: None,
             motion_rows: None,
             closure: None,
+            weighed: None,
             ..self.clone()
         }
     }
 
-    /// Readings and, below them, rows of the soles.
+    /// Readings and, below them, rows of the soles and the weight.
     pub(super) fn height(&self) -> usize {
-        let soles = if self.closure.is_some() { ROWS } else { 0 };
-        (2 + soles) * self.data.len()
+        2 * self.data.len() + self.soles() + usize::from(self.weighed.is_some())
+    }
+
+    /// Rows of the soles.
+    pub(super) fn soles(&self) -> usize {
+        let closure = self.closure.as_ref();
+        closure.map_or(0, |_| ROWS * self.data.len())
     }
 
     /// Rows by the base parameters of the first block.
@@ -283,7 +296,8 @@ impl<'m> Block<'m> {
 
     /// Whitened residuals of the soles that an explanation leaves.
     pub(in crate::diagnose) fn soles_of(&self, on: &OnBlock) -> DVector<f64> {
-        DVector::from_column_slice(&on.residual.as_slice()[self.weight.len()..])
+        let from = self.weight.len();
+        DVector::from_column_slice(&on.residual.as_slice()[from..from + self.soles()])
     }
 
     /// Let an explanation predict other `readings`, m.
@@ -434,6 +448,12 @@ impl<'m> Block<'m> {
             residual = DVector::from_vec(both.collect());
             slopes = below(&[slopes.as_view(), by_unknowns.as_view()], width - 1);
         }
+        if let Some([excess, std]) = self.weighed {
+            let (carried, by_unknowns) = self.carried(own);
+            residual = residual.push((excess - carried) / std);
+            slopes = slopes.insert_row(residual.len() - 1, 0.0);
+            slopes.set_row(residual.len() - 1, &(by_unknowns / std));
+        }
         OnBlock {
             residual: Arc::new(residual),
             slopes: Arc::new(own.by_unknowns(&slopes, count)),
@@ -548,6 +568,34 @@ impl<'m> Block<'m> {
             slopes = DMatrix::from_fn(rows, unknowns.len(), slope);
         }
         (closure.whitened(out.iter().step_by(width).copied()), slopes)
+    }
+
+    /// What loads and pulls of an explanation weigh over the robot's mass, with slopes by its
+    /// unknowns.
+    fn carried(&self, own: &CarriedExplanation) -> (f64, RowDVector<f64>) {
+        let mut slopes = RowDVector::zeros(own.unknowns.len());
+        let mut all = 0.0;
+        for (term, places) in with_places(&own.terms, &self.context) {
+            let Some(instance) = term.effect() else {
+                continue;
+            };
+            let added = |unknowns: &[f64]| {
+                let share = instance.effect.load_share(unknowns);
+                share / (1.0 - share)
+            };
+            let mut unknowns = own.unknowns[places.clone()].to_vec();
+            all += added(&unknowns);
+            for (k, scale) in term.scales(&self.context).into_iter().enumerate() {
+                let (here, step) = (unknowns[k], 1e-4 * scale);
+                let mut at = |x: f64| {
+                    unknowns[k] = x;
+                    added(&unknowns)
+                };
+                slopes[places.start + k] = (at(here + step) - at(here - step)) / (2.0 * step);
+                unknowns[k] = here;
+            }
+        }
+        (all, slopes)
     }
 
     /// Put joints of every posture of a context where `to` has them, by posture, joint and the side
