@@ -29,12 +29,14 @@ class Log:
         data: a path (CSV, gzip, Parquet, MCAP), an open binary file, bytes, a table (anything
             with ``__arrow_c_stream__``: pandas, Polars, pyarrow, DuckDB) or a mapping of names
             to arrays. Columns are named as in a log file: joints as in the URDF (rad, m),
-            ``cop_x, cop_y`` (m) or ``fsr_1 …`` (N), optional ``pose``, ``t`` (s), ``support``.
+            ``cop_x, cop_y`` (m), ``fsr_1 …`` (N) or ``l_fx … l_mz`` (N, N m) of ``sensors``,
+            optional ``pose``, ``t`` (s), ``support``, ``fz`` (N).
         support: link on the ground in rows that do not say.
         angles: ``"deg"`` where revolute joints are in degrees.
         columns: ``{"name in the log": "our name"}``.
         name: what messages call the log.
         robot: whose log it is; :attr:`health` then knows more.
+        sensors: where wrenches are measured, ``{"l": {"frame": "l_sole"}}``, as in the sidecar.
         readings_per_pose, cells, gravity, both_feet, other_foot, topic, joints_topic, experiment: as in the sidecar of a log file,
             over which all of these win.
 
@@ -65,6 +67,7 @@ class Log:
         topic: str | None = None,
         joints_topic: str | None = None,
         experiment: str | None = None,
+        sensors: Mapping[str, Mapping[str, Any]] | None = None,
     ) -> None:
         settings = {
             "support": support,
@@ -78,6 +81,7 @@ class Log:
             "joints_topic": joints_topic,
             "experiment": experiment,
             "columns": None if columns is None else dict(columns),
+            "sensors": None if sensors is None else {name: dict(own) for name, own in sensors.items()},
         }
         given = {key: value for key, value in settings.items() if value is not None}
         self._robot = robot

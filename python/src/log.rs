@@ -215,7 +215,7 @@ impl Log {
         let source = self.source.clone();
         watched(py, None, Stopped::Abandoned, move |watch| {
             let snapping = snapping.unwrap_or_default();
-            let found = health::of_log(&source, robot.as_deref(), snapping, watch);
+            let found = health::of_log(&source, robot.as_ref(), snapping, watch);
             let found = found.during(Doing::Log)?.into_iter();
             let found = found.map(|own| (own.kind.name(), own.target, own.sentence));
             Ok(found.collect())

@@ -4,16 +4,19 @@
 //! F = (M + m) (g + c̈_z)        masses by the URDF, c̈_z by differences of the reference's CoM
 //! ```
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Normal};
 use sesc_identify::diagnose::{Diagnosis, Verdict, diagnose};
 use sesc_identify::fit::{Identification, fit};
 use sesc_identify::health::Kind;
-use sesc_identify::logs::{LogSource, Weight};
-use sesc_reference::World;
+use sesc_identify::logs::{LogSource, Sidecar, Weight};
+use sesc_model::Snapping;
+use sesc_reference::{Reference, World};
+use sesc_test_support::command::Folder;
 use sesc_test_support::contacts::{Contact, recording};
 use sesc_test_support::feet;
 use sesc_test_support::stage::{Platform, Stage};
@@ -379,4 +382,502 @@ fn wrenches_of_a_recording_weigh_the_robot() {
     let log = LogSource::bytes("both.mcap", bytes);
     let found = fit(&fit_request(&stage, log), &mut ()).unwrap();
     holds(found.identification.weight, mass_of(&stage));
+}
+
+/// A robot on both feet, whose feet also push against each other along the floor.
+struct BothFeet {
+    stage: Stage,
+    reference: Reference,
+    /// The true joints, posture by posture, and the encoders'.
+    joints: Vec<Vec<f64>>,
+    q: Vec<Vec<f64>>,
+    world: World,
+    /// Force on each foot and where it acts on the floor, right then left, in the support frame.
+    contacts: Vec<[(Vector3<f64>, Vector3<f64>); 2]>,
+}
+
+/// Scatter of where a force acts on each foot, m.
+const ON_SOLE_M: f64 = 0.01;
+
+impl BothFeet {
+    /// Postures of the OP2, changed by `change`; where feet are loaded is off by `noise`, m.
+    fn new(
+        change: impl Fn(World) -> World,
+        kg: f64,
+        noise: f64,
+        random: &mut ChaCha8Rng,
+    ) -> BothFeet {
+        let stage = Stage::new(Platform::Op2);
+        let (feet, world) = (feet::TwoFeet::new(&stage), change(stage.world()));
+        let reference = Reference::new(&stage.robot, stage.support).unwrap();
+        let [spot, error] = [ON_SOLE_M, noise].map(|std| Normal::new(0.0, std).unwrap());
+        let joints: Vec<Vec<f64>> = (0..40).map(|_| feet.draw([0.0; 2], random)).collect();
+        let q: Vec<_> = joints
+            .iter()
+            .map(|own| feet::TwoFeet::encoders(&world, own))
+            .collect();
+        let contacts = joints.iter().zip(&q).map(|(joints, q)| {
+            let cop = world.cop(q).map(|x| x + error.sample(random));
+            let place = feet.place(joints);
+            let square = place[0].powi(2) + place[1].powi(2);
+            let share = ((cop[0] * place[0] + cop[1] * place[1]) / square).clamp(0.1, 0.9);
+            let left = feet.seen(joints, [spot.sample(random), spot.sample(random)]);
+            let right = [0, 1].map(|k| (cop[k] - share * left[k]) / (1.0 - share));
+            let push = [spot, spot].map(|spot| 300.0 * spot.sample(random));
+            let force = |sign: f64, share: f64| {
+                Vector3::new(sign * push[0], sign * push[1], share * kg * GRAVITY)
+            };
+            let at = |[x, y]: [f64; 2]| Vector3::new(x, y, 0.0);
+            [
+                (force(1.0, 1.0 - share), at(right)),
+                (force(-1.0, share), at(left)),
+            ]
+        });
+        BothFeet {
+            contacts: contacts.collect(),
+            stage,
+            reference,
+            joints,
+            q,
+            world,
+        }
+    }
+
+    /// Six columns of a sensor that feels foot `foot` in the frame of a link: f = Rᵀ F,
+    /// τ = Rᵀ ((p − o) × F).
+    fn wrench(&self, name: &str, foot: usize, frame: impl Fn(&[f64]) -> Isometry3<f64>) -> Columns {
+        let rows = self
+            .joints
+            .iter()
+            .zip(&self.contacts)
+            .map(|(joints, contacts)| {
+                let (frame, (force, at)) = (frame(joints), contacts[foot]);
+                let turned = frame.rotation.inverse();
+                let moment = turned * (at - frame.translation.vector).cross(&force);
+                let force = turned * force;
+                [force.x, force.y, force.z, moment.x, moment.y, moment.z]
+            });
+        let rows: Vec<[f64; 6]> = rows.collect();
+        let ends = ["fx", "fy", "fz", "mx", "my", "mz"].into_iter().enumerate();
+        ends.map(|(k, end)| {
+            (
+                format!("{name}_{end}"),
+                rows.iter().map(|own| own[k]).collect(),
+            )
+        })
+        .collect()
+    }
+
+    /// The same in the frame of a link.
+    fn at_link(&self, name: &str, foot: usize, link: &str) -> Columns {
+        let link = self.stage.robot.link_index(link).unwrap();
+        self.wrench(name, foot, |joints| {
+            let pose = self.reference.link_poses(joints)[link];
+            Isometry3::from_parts(
+                pose.translation,
+                UnitQuaternion::from_rotation_matrix(&pose.rotation),
+            )
+        })
+    }
+
+    fn joints(&self) -> Columns {
+        let mut columns = columns(&self.stage, &self.q, &vec![[0.0; 2]; self.q.len()]);
+        columns.truncate(columns.len() - 2);
+        columns
+    }
+
+    /// The log with a sensor in each sole.
+    fn of_soles(&self) -> Columns {
+        let [right, left] = [
+            self.at_link("r", 0, "r_sole"),
+            self.at_link("l", 1, "l_sole"),
+        ];
+        [self.joints(), right, left].concat()
+    }
+
+    /// The log with the CoP of both feet and the total force, by the statics of both contacts.
+    fn of_cop(&self) -> Columns {
+        let sums = self.contacts.iter().map(|[(f, p), (g, q)]| {
+            let total = f.z + g.z;
+            ([0, 1].map(|k| (f.z * p[k] + g.z * q[k]) / total), total)
+        });
+        let (cop, force): (Vec<_>, Vec<_>) = sums.unzip();
+        let mut log = columns(&self.stage, &self.q, &cop);
+        log.push(("fz".into(), force));
+        log
+    }
+}
+
+/// A sidecar with these lines.
+fn sidecar(text: &str) -> Sidecar {
+    toml::from_str(text).unwrap()
+}
+
+const OF_SOLES: &str = "[sensors.l]\nframe = 'l_sole'\n[sensors.r]\nframe = 'r_sole'\n";
+
+/// A diagnosis of columns with a sidecar, and what is warned of.
+fn read(stage: &Stage, log: &Columns, text: &str) -> Result<Diagnosis, String> {
+    let log = LogSource::from(table(log.clone())).with_sidecar(sidecar(text));
+    let mut request = request(stage, log);
+    request.noise = Some(NOISE_M);
+    // The reference takes right angles as they are written.
+    request.snapping = Snapping::Off;
+    let found = diagnose(&request, &mut ());
+    found
+        .map(|found| found.diagnosis)
+        .map_err(|error| error.to_string())
+}
+
+/// Without noise CAD's CoP is that of the wrenches to rounding, wherever sensors are: in soles, in
+/// ankles above them, on the floor.
+#[test]
+fn wrenches_give_the_cop_of_both_feet_to_rounding() {
+    let mut random = seeded(80);
+    let kg = mass_of(&Stage::new(Platform::Op2));
+    let robot = BothFeet::new(|world| world, kg, 0.0, &mut random);
+    let stage = &robot.stage;
+    let exact = |found: Diagnosis| {
+        println!("{:e} {:?}", found.baseline.rmse, found.warnings);
+        assert!(found.baseline.rmse < 1e-12, "{:?}", found.baseline);
+        let mut health = found.health.iter();
+        assert!(health.all(|own| own.kind == Kind::NoiseOverstated));
+        let mass = found.weight.unwrap().mass_kg.value;
+        assert!((mass / kg - 1.0).abs() < 1e-12, "{mass}");
+        found
+    };
+    let of_soles = exact(read(stage, &robot.of_soles(), OF_SOLES).unwrap());
+    let closure = of_soles.closure.expect("both feet stand");
+    assert!(closure.closes && closure.other_foot == "l_sole");
+    let [right, left] = [
+        robot.at_link("r", 0, "r_ank_roll_link"),
+        robot.at_link("l", 1, "l_ank_roll_link"),
+    ];
+    let ankles = "other_foot = 'l_sole'\n[sensors.l]\nframe = 'l_ank_roll_link'\n[sensors.r]\nframe = 'r_ank_roll_link'\n";
+    exact(read(stage, &[robot.joints(), right, left].concat(), ankles).unwrap());
+    // Plates below the floor: one turned, one with its z axis down.
+    let (one, other) = (
+        [0.1, -0.2, -0.03, 0.0, 0.0, 0.7],
+        [-0.2, 0.3, -0.05, PI, 0.1, -0.4],
+    );
+    let posed = |[x, y, z, roll, pitch, yaw]: [f64; 6]| {
+        let turned = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        Isometry3::from_parts(Translation3::new(x, y, z), turned)
+    };
+    let a = robot.wrench("a", 0, |_| posed(one));
+    let b = robot.wrench("b", 1, |_| posed(other));
+    let plates =
+        format!("both_feet = true\n[sensors.a]\npose = {one:?}\n[sensors.b]\npose = {other:?}\n");
+    let found = exact(read(stage, &[robot.joints(), a, b].concat(), &plates).unwrap());
+    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+}
+
+/// The same log as CoP and as wrenches: the same result.
+#[test]
+fn wrenches_are_explained_as_the_cop_is() {
+    let stage = Stage::new(Platform::Op2);
+    let mut random = seeded(81);
+    let kg = mass_of(&stage) + BOX_KG;
+    let change = |world: World| world.payload("body_link", BOX_KG, BOX_AT).unwrap();
+    let robot = BothFeet::new(change, kg, NOISE_M, &mut random);
+    let one = read(&stage, &robot.of_soles(), OF_SOLES).unwrap();
+    let other = read(&stage, &robot.of_cop(), "other_foot = 'l_sole'").unwrap();
+    println!("{}", one.sentence);
+    assert_eq!(one.indistinguishable, other.indistinguishable);
+    assert!(one.indistinguishable[0].contains(&"payload:body_link".to_string()));
+    for (one, other) in one.steps.iter().zip(&other.steps) {
+        for (name, value) in &one.parameters {
+            let other = other.parameters[name];
+            assert!(
+                (value.value - other.value).abs() < 1e-3 * value.std,
+                "{name}"
+            );
+            assert!((value.std / other.std - 1.0).abs() < 1e-3, "{name}");
+        }
+    }
+    holds(one.weight, kg);
+    let fits = [
+        (robot.of_soles(), OF_SOLES),
+        (robot.of_cop(), "other_foot = 'l_sole'"),
+    ];
+    let [one, other] = fits.map(|(log, text)| {
+        let log = LogSource::from(table(log)).with_sidecar(sidecar(text));
+        fit(&fit_request(&stage, log), &mut ())
+            .unwrap()
+            .identification
+    });
+    for (one, other) in one.parameters.iter().zip(&other.parameters) {
+        assert!((one.value - other.value).abs() < 1e-9, "{one:?} {other:?}");
+    }
+    let [one, other] = [one, other].map(|own| own.weight.unwrap().mass_kg);
+    assert!((one.value - other.value).abs() < 1e-9 && (one.std - other.std).abs() < 1e-9);
+}
+
+/// The other sole is where the joints have it: an encoder that is off shows in both, as it does in a
+/// recording.
+#[test]
+fn an_offset_of_a_knee_is_named_from_wrenches() {
+    let stage = Stage::new(Platform::Op2);
+    let mut random = seeded(82);
+    let change = |world: World| world.joint_offset("l_knee", 0.026).unwrap();
+    let robot = BothFeet::new(change, mass_of(&stage), NOISE_M, &mut random);
+    let found = read(&stage, &robot.of_soles(), OF_SOLES).unwrap();
+    println!("{}", found.sentence);
+    let truth = ["joint_offset:l_knee".to_string()];
+    assert!(
+        found.indistinguishable.iter().any(|all| all == &truth),
+        "{:?}",
+        found.indistinguishable
+    );
+    // How the soles lie is noise of the log alone where it has none.
+    assert!(robot.world.cop(&robot.q[0]).iter().all(|x| x.is_finite()));
+}
+
+/// Forces of the robot on the ground are turned with a word; a foot in the air and a missing value
+/// cost their rows.
+#[test]
+fn signs_are_turned_and_rows_without_a_foot_or_a_value_are_left_out() {
+    let stage = Stage::new(Platform::Op2);
+    let mut random = seeded(83);
+    let kg = mass_of(&stage);
+    let robot = BothFeet::new(|world| world, kg, NOISE_M, &mut random);
+    let right = read(&stage, &robot.of_soles(), OF_SOLES).unwrap();
+    let mut log = robot.of_soles();
+    for (name, values) in &mut log {
+        if name.starts_with("l_f") || name.starts_with("l_m") {
+            values.iter_mut().for_each(|x| *x = -*x);
+        }
+    }
+    let turned = read(&stage, &log, OF_SOLES).unwrap();
+    assert_eq!(
+        (turned.weight, turned.baseline),
+        (right.weight, right.baseline)
+    );
+    let said = turned
+        .warnings
+        .iter()
+        .find(|said| said.contains("sensor `l` points down"));
+    assert!(
+        said.is_some_and(|said| said.contains("its sign is turned")),
+        "{:?}",
+        turned.warnings
+    );
+    // Two rows on the right foot alone, and one without a moment.
+    for (name, values) in &mut log {
+        if name.starts_with("l_f") || name.starts_with("l_m") {
+            values[10..12].fill(0.0);
+        }
+        if name == "r_mx" {
+            values[20] = f64::NAN;
+        }
+    }
+    let found = read(&stage, &log, OF_SOLES).unwrap();
+    let lost: Vec<&str> = found
+        .health
+        .iter()
+        .map(|own| own.sentence.as_str())
+        .collect();
+    assert!(
+        lost[0].starts_with("In 2 rows") && lost[0].contains("one of the sensors"),
+        "{lost:?}"
+    );
+    assert_eq!(found.postures, 37);
+    let said = found
+        .warnings
+        .iter()
+        .find(|said| said.contains("`r_mx` in 1"));
+    assert!(said.is_some(), "{:?}", found.warnings);
+}
+
+/// One sensor in the sole of a robot on one foot.
+#[test]
+fn one_sensor_alone_is_read() {
+    let stage = Stage::new(Platform::Op2);
+    let mut random = seeded(84);
+    let (kg, world) = (mass_of(&stage), stage.world());
+    let q = stage.balanced(40, &mut random);
+    let mut log = columns(&stage, &q, &vec![[0.0; 2]; q.len()]);
+    log.truncate(log.len() - 2);
+    let force = kg * GRAVITY;
+    let moments = |axis: usize, sign: f64| {
+        q.iter()
+            .map(|q| sign * force * world.cop(q)[axis])
+            .collect()
+    };
+    let zeros = vec![0.0; q.len()];
+    for (name, values) in [
+        ("s_fx", zeros.clone()),
+        ("s_fy", zeros.clone()),
+        ("s_fz [kN]", vec![1e-3 * force; q.len()]),
+        ("s_mx", moments(1, 1.0)),
+        ("s_my", moments(0, -1.0)),
+        ("s_mz [N m]", zeros.clone()),
+    ] {
+        log.push((name.into(), values));
+    }
+    let found = read(&stage, &log, "[sensors.s]\nframe = 'r_sole'").unwrap();
+    assert!(
+        found.baseline.rmse < 1e-12 && found.closure.is_none(),
+        "{:?}",
+        found.baseline
+    );
+    assert!((found.weight.unwrap().mass_kg.value / kg - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn what_is_wrong_with_sensors_is_said_with_its_remedy() {
+    let stage = Stage::new(Platform::Op2);
+    let robot = BothFeet::new(|world| world, 3.0, 0.0, &mut seeded(85));
+    let whole = robot.of_soles();
+    let without = |name: &str| {
+        let is_one = |own: &str| own.starts_with(name) && ["f", "m"].contains(&&own[2..3]);
+        let kept = whole.iter().filter(|(own, _)| !is_one(own));
+        kept.cloned().collect::<Columns>()
+    };
+    let mut with_cop = whole.clone();
+    with_cop.extend(
+        robot
+            .of_cop()
+            .into_iter()
+            .filter(|(name, _)| name.starts_with("cop")),
+    );
+    let mut with_fz = whole.clone();
+    with_fz.push(("fz".into(), vec![30.0; 40]));
+    let l = "[sensors.l]\nframe = 'l_sole'\n";
+    for (log, text, words) in [
+        (
+            &without("l_mz"),
+            OF_SOLES,
+            &["no column `l_mz`; sensor `l` needs all", "write zeros"][..],
+        ),
+        (
+            &without("l_"),
+            OF_SOLES,
+            &["no columns `l_fx`", "sensor `l`", "remove `[sensors.l]`"],
+        ),
+        (
+            &whole,
+            "",
+            &[
+                "`l_fx`, `l_fy`",
+                "are a wrench",
+                "`[sensors.l]` with `frame = \"LINK\"`",
+            ],
+        ),
+        (
+            &whole,
+            "[sensors.l]\nframe = 'l_sola'\n[sensors.r]\nframe = 'r_sole'",
+            &[
+                "sensor `l` is in the frame `l_sola`, which is no link: did you mean `l_sole`?",
+                "`pose = [",
+            ],
+        ),
+        (
+            &whole,
+            "[sensors.l]\nframe = 'world'\n[sensors.r]\nframe = 'r_sole'",
+            &["sensor `l` is in the frame `world`", "`pose = ["],
+        ),
+        (
+            &with_cop,
+            OF_SOLES,
+            &[
+                "`cop_x` and `cop_y` beside the wrenches of `l`, `r`",
+                "remove one",
+            ],
+        ),
+        (&with_fz, OF_SOLES, &["`fz` beside the wrenches"]),
+        (
+            &whole,
+            &format!("{OF_SOLES}[sensors.x]\nframe = 'body_link'"),
+            &["no columns `x_fx`"],
+        ),
+        (
+            &whole,
+            "[sensors.l]\nframe = 'l_sole'\n[sensors.r]\nframe = 'body_link'",
+            &[
+                "sensor `r` is in `body_link`, which is fixed neither to `r_sole` nor to",
+                "`other_foot",
+            ],
+        ),
+    ] {
+        let said = match read(&stage, log, text) {
+            Err(said) => said,
+            Ok(found) => panic!("{text}: {}", found.sentence),
+        };
+        println!("{said}\n");
+        for word in words {
+            assert!(said.contains(word), "{text}: {said}");
+        }
+    }
+    // A file names itself, its sidecar and the key.
+    let folder = Folder::with("op2");
+    folder.write("log.csv", "pose\n0\n");
+    for (text, words) in [
+        (
+            format!("{l}pose = [0, 0, 0, 0, 0, 0]"),
+            ["log.csv.toml", "sensor `l`: give either `frame"],
+        ),
+        (
+            "[sensors.l]\nfrmae = 'l_sole'".into(),
+            ["log.csv.toml", "frmae"],
+        ),
+        (
+            "[sensors.l]\n".into(),
+            ["log.csv.toml", "sensor `l`: give either `frame"],
+        ),
+    ] {
+        folder.write("log.csv.toml", &text);
+        let run = folder.run("fit op2.urdf --data log.csv --support r_sole");
+        let said = String::from_utf8_lossy(&run.stderr).into_owned();
+        for word in words {
+            assert!(said.contains(word), "{text}: {said}");
+        }
+    }
+}
+
+/// Topics and frames of a recording that the sidecar names win over what messages say.
+#[test]
+fn a_recording_is_read_by_the_topics_that_the_sidecar_names() {
+    let stage = Stage::new(Platform::Op2);
+    let noise = feet::Noise {
+        cop_m: 0.0,
+        encoder_rad: 0.0,
+        flat_rad: 0.0,
+    };
+    let log = |frames: [&str; 2], text: &str| {
+        let contacts = [("/a", frames[0]), ("/b", frames[1])].map(|(topic, frame)| Contact {
+            topic: topic.to_string(),
+            frame: frame.to_string(),
+        });
+        let bytes = recording(
+            &stage,
+            &stage.world(),
+            12,
+            noise,
+            &contacts,
+            &mut seeded(86),
+        );
+        let log = LogSource::bytes("both.mcap", bytes).with_sidecar(sidecar(text));
+        let mut request = request(&stage, log);
+        request.noise = Some(NOISE_M);
+        diagnose(&request, &mut ()).map(|found| found.diagnosis)
+    };
+    let named =
+        "[sensors.l]\nframe = 'l_sole'\ntopic = '/b'\n[sensors.r]\nframe = 'r_sole'\ntopic = '/a'";
+    let found = log(["ft_right", "ft_left"], named).unwrap();
+    let usual = log(["r_sole", "l_sole"], "").unwrap();
+    assert_eq!(
+        (found.baseline, found.weight),
+        (usual.baseline, usual.weight)
+    );
+    assert!(found.closure.is_some_and(|own| own.closes));
+    for (text, words) in [
+        (named.replace("/b", "/c"), "no wrench on topic `/c`"),
+        (
+            named.replace("topic = '/b'\n", ""),
+            "sensor `l` of the sidecar: a recording needs its `topic`",
+        ),
+    ] {
+        let said = log(["ft_right", "ft_left"], &text).unwrap_err().to_string();
+        assert!(said.contains(words), "{said}");
+    }
 }

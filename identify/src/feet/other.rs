@@ -265,9 +265,18 @@ impl Places {
     /// The robot on the link `from`, the body that holds the link `of` there, and its place on it.
     fn place(&self, from: &str, of: &str) -> Option<(Arc<Model>, usize, poses::Pose)> {
         let model = self.model(from)?;
-        let link = model.tree.links.iter().position(|link| link.name == of)?;
+        let (carrier, below_m) = match sole_parts(of) {
+            Some(Ok(parts)) => parts,
+            _ => (of, 0.0),
+        };
+        let link = model
+            .tree
+            .links
+            .iter()
+            .position(|link| link.name == carrier)?;
         let (body, place) = poses::of_link(&model, link)?;
-        Some((model, body, place))
+        let origin = place.point(&Vector3::new(0.0, 0.0, -below_m));
+        Some((model, body, poses::Pose { origin, ..place }))
     }
 }
 

@@ -30,6 +30,7 @@ use sesc_model::{Function, Model, Snapping};
 
 use crate::Error;
 use crate::evaluate::Evaluator;
+use crate::feet::Places;
 use crate::logs::{LogSource, Options, ROOM, Samples};
 use crate::observations::postures::Postures;
 use crate::robot::Robot;
@@ -99,7 +100,7 @@ impl Health {
 /// What is wrong with the log; when `watch` stops it.
 pub fn of_log(
     log: &LogSource,
-    robot: Option<&Robot>,
+    robot: Option<&Arc<Robot>>,
     snapping: Snapping,
     watch: &mut dyn Watch,
 ) -> Result<Vec<Finding>, Error> {
@@ -114,6 +115,7 @@ pub fn of_log(
         links: links.map(str::to_string).collect(),
         support: Some(support),
         any_unit: true,
+        soles: Some(Places::of(robot, snapping)),
         ..Options::default()
     };
     let samples = Samples::read(log, &robot.description, &options, ROOM, watch)?;

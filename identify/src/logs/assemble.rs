@@ -11,6 +11,14 @@
 //! the variance to first order in the independent deviations `σ_k`, since
 //! `∂CoP/∂f_k = (p_k − CoP) / F`.
 //!
+//! Sensors whose wrenches are `f_i, τ_i` in frames that the robot has at `R_i, o_i` of a sole give, sole
+//! by sole,
+//!
+//! ```text
+//! f = Σ R_i f_i        τ = Σ R_i τ_i + o_i × R_i f_i        F p = (−τ_y, τ_x),  F = f_z
+//! CoP = (F₁ p₁ + F₂ T p₂) / (F₁ + F₂)        T(q): the other sole in the support frame
+//! ```
+//!
 //! A row that misses a value which it should have, NaN or an empty field, is left out and counted;
 //! an optional column without any value in the first rows is as if it were not there.
 //!
@@ -26,13 +34,13 @@ use std::sync::Arc;
 
 use sesc_model::spelling::nearest;
 use sesc_model::text::listed;
-use sesc_model::tree::{Dof, is_support};
+use sesc_model::tree::{Dof, is_support, like_sole};
 
-use super::block::Block;
+use super::block::{Block, Frame, Share};
 use super::bounds::{Bound, LEAST_LOAD_N, check_cop, three_digits};
 use super::columns::{Columns, POSE};
 use super::names::{list, short};
-use super::settings::{Options, Sidecar, check_gravity};
+use super::settings::{Options, Sensor, Sidecar, check_gravity};
 use super::source::{MISSING, Raw};
 use crate::{Error, Message, Setting, message};
 
@@ -50,6 +58,10 @@ pub(super) struct Assembler {
     shrink: f64,
     /// Rows without load on the cells are no fault; their reading is zero.
     pub no_load: bool,
+    /// The support and the other link that stands, in a recording of both contacts.
+    pub both: Option<[String; 2]>,
+    /// 1 of each sensor, −1 of one that says how the robot acts on the ground.
+    signs: Vec<f64>,
     next_pose: i64,
     missing: Missing,
     /// Joints, time and posture of the last row.
@@ -85,6 +97,8 @@ impl Assembler {
             support: support.map(Arc::from),
             shrink: 1.0,
             no_load: false,
+            both: None,
+            signs: vec![1.0; columns.sensors.len()],
             next_pose: 0,
             missing: Missing {
                 of: vec![0; columns.numbers.len() + 1],
@@ -100,6 +114,11 @@ impl Assembler {
                 Some(_) => Error::request(message),
                 None => assembler.fault(None, format!("sidecar: {message}")),
             })?;
+        }
+        for (name, sensor) in assembler.sensors() {
+            if let Some(frame) = &sensor.frame {
+                assembler.known_frame(name, frame)?;
+            }
         }
         let (found, placed) = (columns.cells.len(), assembler.places().len());
         if columns.cop.is_none() && found > 0 && found != placed {
@@ -117,6 +136,53 @@ impl Assembler {
         Ok(assembler)
     }
 
+    /// Sensors with wrenches in the log, in the order of their names.
+    fn sensors(&self) -> impl Iterator<Item = (&String, &Sensor)> {
+        let all = self.sidecar.sensors.iter().flatten();
+        all.take(self.columns.sensors.len())
+    }
+
+    /// Whether a sensor's frame is one of the robot's.
+    fn known_frame(&self, name: &str, frame: &str) -> Result<(), Error> {
+        let links = self.options.links.iter().map(String::as_str);
+        if self.options.links.is_empty() || is_support(frame, links.clone()) {
+            return Ok(());
+        }
+        let meant = match nearest(frame, "", links.clone()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("the robot has {}.", list(links)),
+        };
+        let said = format!(
+            "sidecar: sensor `{}` is in the frame `{}`, which is no link: {meant} A plate on the \
+             floor has, in place of `frame`, `pose = [x, y, z, roll, pitch, yaw]` in the support \
+             frame (m, rad)",
+            short(name),
+            short(frame)
+        );
+        Err(self.fault(None, said))
+    }
+
+    /// The other sole, where sensors of two feet stand on it and the support of all rows.
+    pub fn other_sole(&self) -> Option<String> {
+        let said = self.options.both_feet.or(self.sidecar.both_feet);
+        let (soles, support) = (self.options.soles.as_ref()?, self.support_of_all()?);
+        let is_own = |sensor: &Sensor| match &sensor.frame {
+            Some(frame) => **frame == *support || soles.fixed(&support, frame).is_some(),
+            None => true,
+        };
+        let others = self.sensors().filter(|(_, sensor)| !is_own(sensor));
+        let mut others = others.filter_map(|(_, sensor)| sensor.frame.as_ref());
+        let is_of_both = said != Some(false) && self.sensors().any(|(_, sensor)| is_own(sensor));
+        let other = others.next().filter(|_| is_of_both)?;
+        Some(self.sole_of(&support, other))
+    }
+
+    /// The sole of a foot in whose frame a sensor is that is not the support's.
+    fn sole_of(&self, support: &str, frame: &str) -> String {
+        let named = self.sidecar.other_foot.clone();
+        named.unwrap_or_else(|| like_sole(support, frame))
+    }
+
     /// Places of the foot cells, m.
     fn places(&self) -> &[[f64; 2]] {
         self.sidecar.cells.as_deref().unwrap_or_default()
@@ -128,8 +194,9 @@ impl Assembler {
     }
 
     /// Look at the first rows for what holds for all: which columns have values, whether rows
-    /// are means, and whether the CoP is in metres.
-    pub fn look(&mut self, raw: &mut Raw) -> Result<(), Error> {
+    /// are means, which way forces are counted, and whether the CoP is in metres. Gives what is odd.
+    pub fn look(&mut self, raw: &mut Raw) -> Result<Vec<Message>, Error> {
+        let turned = self.find_signs(raw);
         self.find_unused(raw);
         self.fill_unused(raw);
         let rows = typical_run(&raw.pose).max(1) as f64;
@@ -137,7 +204,7 @@ impl Assembler {
         self.shrink = (rows / readings).min(1.0).sqrt();
         let typical = |k: Option<usize>| k.and_then(|k| self.typical(raw, k));
         let Some(far) = typical(self.columns.cop) else {
-            return Ok(());
+            return Ok(turned);
         };
         // In no unit is that the CoP of a robot: one that is wrong by a thousand is an effect.
         let most = if self.options.any_unit { 1e4 } else { 2.0 };
@@ -158,9 +225,45 @@ impl Assembler {
             );
             message![said, Setting::Noise]
         } else {
-            return Ok(());
+            return Ok(turned);
         };
         Err(self.fault(raw.line.first().copied(), said))
+    }
+
+    /// Turn sensors whose force points down where it is large: they say how the robot acts on the
+    /// ground.
+    fn find_signs(&mut self, raw: &Raw) -> Vec<Message> {
+        let Some(support) = self.support_of(raw.support.first()) else {
+            return Vec::new();
+        };
+        let width = self.columns.numbers.len();
+        let (mut signs, mut said) = (Vec::new(), Vec::new());
+        for ((name, sensor), first) in self.sensors().zip(&self.columns.sensors) {
+            let up = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| {
+                let placed = self.placed(support, sensor, [axis, [0.0; 3]]);
+                placed.map_or(axis[2], |(_, [force, _])| force[2])
+            });
+            let rows = raw.numbers.chunks_exact(width).map(|row| &row[*first..]);
+            let force = rows.map(|own| own.iter().zip(up).map(|(f, up)| f * up).sum::<f64>());
+            let mut force: Vec<f64> = force.filter(|force| force.is_finite()).collect();
+            force.sort_by(|a, b| b.abs().total_cmp(&a.abs()));
+            // A foot that stands in a quarter of the rows is heard.
+            force.truncate(force.len().div_ceil(4));
+            let typical = force.iter().sum::<f64>() / force.len().max(1) as f64;
+            let is_turned = typical <= -LEAST_LOAD_N;
+            signs.push(if is_turned { -1.0 } else { 1.0 });
+            said.extend(is_turned.then(|| {
+                Message::from(format!(
+                    "{}: the force of sensor `{}` points down ({} N): it is how the robot acts on \
+                     the ground; its sign is turned",
+                    self.file,
+                    short(name),
+                    three_digits(typical)
+                ))
+            }));
+        }
+        self.signs = signs;
+        said
     }
 
     /// Optional columns without a value.
@@ -285,7 +388,7 @@ impl Assembler {
                 self.miss(line, numbers, pose);
                 continue;
             }
-            self.row(numbers, block)
+            self.row(numbers, (raw.support.get(k), raw.other.get(k)), block)
                 .and_then(|()| Ok(self.support(raw.support.get(k), block)?))
                 .map_err(|message| self.fault(Some(line), self.and_others(message, raw, k + 1)))?;
             block.line.push(line);
@@ -320,10 +423,13 @@ impl Assembler {
     /// too.
     fn and_others(&self, message: Message, raw: &Raw, next: usize) -> Message {
         let width = self.columns.numbers.len().max(1);
-        let rows = raw.numbers.chunks_exact(width).zip(&raw.line).skip(next);
-        let whole = rows.filter(|(numbers, _)| !numbers.iter().any(|x| x.is_nan()));
-        let faulty = whole.filter(|(numbers, _)| self.row(numbers, &mut Block::default()).is_err());
-        let lines: Vec<String> = faulty.map(|(_, line)| line.to_string()).collect();
+        let rows = raw.numbers.chunks_exact(width).enumerate().skip(next);
+        let whole = rows.filter(|(_, numbers)| !numbers.iter().any(|x| x.is_nan()));
+        let faulty = whole.filter(|(k, numbers)| {
+            let own = (raw.support.get(*k), raw.other.get(*k));
+            self.row(numbers, own, &mut Block::default()).is_err()
+        });
+        let lines: Vec<String> = faulty.map(|(k, _)| raw.line[k].to_string()).collect();
         match lines.len() {
             0 => message,
             1 => message.and(format!("; row {} is faulty, too", lines[0])),
@@ -331,7 +437,12 @@ impl Assembler {
         }
     }
 
-    fn row(&self, numbers: &[f64], block: &mut Block) -> Result<(), Message> {
+    fn row(
+        &self,
+        numbers: &[f64],
+        (support, other): (Option<&Arc<str>>, Option<&Share>),
+        block: &mut Block,
+    ) -> Result<(), Message> {
         let columns = &self.columns;
         let bounded = numbers.iter().zip(&columns.bounds);
         if !bounded
@@ -375,7 +486,20 @@ impl Assembler {
             Some(k) => {
                 let pair = |k: usize| [numbers[k], numbers[k + 1]];
                 let std = columns.cop_std.map(pair);
-                (pair(k), std.map(|std| std.map(|s| s * self.shrink)))
+                let mut cop = pair(k);
+                if let (Some(other), Some([from, of])) = (other, &self.both)
+                    && let Some(soles) = &self.options.soles
+                {
+                    let own = cop.map(|x| (1.0 - other.share) * x);
+                    let q = &numbers[columns.joints.clone()];
+                    cop = other.join((&**soles, [from, of]), own, (q, block));
+                }
+                (cop, std.map(|std| std.map(|s| s * self.shrink)))
+            }
+            None if !columns.sensors.is_empty() => {
+                let cop = self.by_sensors(numbers, support, block)?;
+                check_cop(cop)?;
+                (cop, None)
             }
             None => {
                 let cop = match centre(self.places(), force) {
@@ -392,6 +516,121 @@ impl Assembler {
             block.std.get_or_insert_default().push(std);
         }
         Ok(())
+    }
+
+    /// The CoP of a row by wrenches, m; its block is told the total force and the other contact.
+    fn by_sensors(
+        &self,
+        numbers: &[f64],
+        support: Option<&Arc<str>>,
+        block: &mut Block,
+    ) -> Result<[f64; 2], Message> {
+        let Some(support) = self.support_of(support) else {
+            let said = "sensors measure about frames, and nothing says which link stands: give ";
+            return Err(message![said, Setting::Support]);
+        };
+        let mut own = [[0.0; 3]; 2];
+        let mut other: Option<(String, [[f64; 3]; 2])> = None;
+        let sensors = self.sensors().zip(&self.columns.sensors).zip(&self.signs);
+        for (((name, sensor), first), sign) in sensors {
+            let of = |at: usize| [0, 1, 2].map(|axis| sign * numbers[first + at + axis]);
+            let (sum, moved) = match (self.placed(support, sensor, [of(0), of(3)]), &mut other) {
+                (Some((None, moved)), _) => (&mut own, moved),
+                (Some((Some(sole), moved)), None) => {
+                    (&mut other.insert((sole, [[0.0; 3]; 2])).1, moved)
+                }
+                (Some((Some(sole), moved)), Some((known, sum))) if *known == sole => (sum, moved),
+                (_, known) => {
+                    let sole = known.as_ref().map(|(sole, _)| sole.clone());
+                    return Err(self.nowhere([support, name], sensor, sole).into());
+                }
+            };
+            let all = sum.as_flattened_mut().iter_mut();
+            all.zip(moved.as_flattened()).for_each(|(sum, x)| *sum += x);
+        }
+        let force = other.as_ref().map_or(0.0, |(_, [force, _])| force[2]);
+        let total = own[0][2] + force;
+        block.load.get_or_insert_default().push(total);
+        let stands = total.abs() >= LEAST_LOAD_N;
+        if !stands && !self.no_load {
+            let names = list(self.sensors().map(|(name, _)| name));
+            return Err(format!(
+                "sensors {names}: {total:?} N in total, less than {LEAST_LOAD_N} N, so nothing \
+                 stands on them; remove the row, or mend the sign or the unit"
+            )
+            .into());
+        }
+        let part = |[_, torque]: [[f64; 3]; 2]| match stands {
+            true => [-torque[1] / total, torque[0] / total],
+            false => [0.0; 2],
+        };
+        let (Some((sole, wrench)), Some(soles)) = (other, &self.options.soles) else {
+            return Ok(part(own));
+        };
+        // A foot in the air has no CoP.
+        let is_loaded = stands && force.abs() >= LEAST_LOAD_N;
+        let share = if is_loaded { force / total } else { 0.0 };
+        let other = Share {
+            share,
+            cop: part(wrench).map(|x| if is_loaded { x / share } else { 0.0 }),
+        };
+        let q = &numbers[self.columns.joints.clone()];
+        let links = [support, &*sole];
+        Ok(other.join((&**soles, links), part(own), (q, block)))
+    }
+
+    /// The link on the ground of a row that may say its own.
+    fn support_of<'a>(&'a self, own: Option<&'a Arc<str>>) -> Option<&'a str> {
+        let own = own.filter(|link| !link.is_empty());
+        own.or(self.support.as_ref()).map(|link| &**link)
+    }
+
+    /// The wrench of a sensor in the support frame, or in that of the other sole, with its name;
+    /// none of one that is fixed to neither.
+    fn placed(
+        &self,
+        support: &str,
+        sensor: &Sensor,
+        wrench: [[f64; 3]; 2],
+    ) -> Option<(Option<String>, [[f64; 3]; 2])> {
+        if let Some(pose) = sensor.pose {
+            return Some((None, Frame::posed(pose).moved(wrench)));
+        }
+        let link = sensor.frame.as_deref()?;
+        let moved = |sole: &str| match sole == link {
+            true => Some(wrench),
+            false => Some(
+                self.options
+                    .soles
+                    .as_ref()?
+                    .fixed(sole, link)?
+                    .moved(wrench),
+            ),
+        };
+        if let Some(moved) = moved(support) {
+            return Some((None, moved));
+        }
+        // Only a robot says where another link is.
+        self.options.soles.as_ref()?;
+        let sole = self.sole_of(support, link);
+        let moved = moved(&sole)?;
+        Some((Some(sole), moved))
+    }
+
+    /// Why a sensor is not placed.
+    fn nowhere(&self, [support, name]: [&str; 2], sensor: &Sensor, sole: Option<String>) -> String {
+        let frame = sensor.frame.as_deref().unwrap_or_default();
+        let sole = sole.unwrap_or_else(|| self.sole_of(support, frame));
+        let why = match &self.options.soles {
+            None => "which only a robot can place: give the robot of the log".to_string(),
+            Some(_) => format!(
+                "which is fixed neither to `{}` nor to `{}`; name the sole that it is fixed to by \
+                 `other_foot = \"…\"` in the sidecar",
+                short(support),
+                short(&sole)
+            ),
+        };
+        format!("sensor `{}` is in `{}`, {why}", short(name), short(frame))
     }
 
     fn support(&self, own: Option<&Arc<str>>, block: &mut Block) -> Result<(), String> {

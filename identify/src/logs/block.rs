@@ -187,6 +187,19 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// The frame at x, y, z (m) with roll, pitch and yaw (rad), as a URDF turns frames.
+    pub(super) fn posed([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Frame {
+        let [(sr, cr), (sp, cp), (sy, cy)] = [roll, pitch, yaw].map(f64::sin_cos);
+        Frame {
+            axes: [
+                [cy * cp, sy * cp, -sp],
+                [cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr],
+                [cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr],
+            ],
+            origin: [x, y, z],
+        }
+    }
+
     /// A point of this frame in the other one, m.
     pub fn placed(&self, own: [f64; 3]) -> [f64; 3] {
         let turned = self.turned(own);
@@ -208,42 +221,28 @@ impl Frame {
     }
 }
 
-/// Two links that both stand on the ground: the support, and the other.
-#[derive(Debug, Clone)]
-pub(super) struct Standing {
-    pub soles: Arc<dyn Soles>,
-    pub links: [String; 2],
-}
-
 /// What the other contact has of the load, and its CoP on its own sole, m.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Share {
     pub share: f64,
     pub cop: [f64; 2],
 }
 
-impl Standing {
-    /// Add the other contact to readings of the support's, rows of a block from `first` on.
-    pub fn join(&self, others: &[Share], block: &mut Block, first: usize) {
-        let dof = block.q.len() / block.len().max(1);
-        let Some(readings) = &mut block.reading else {
-            return;
-        };
-        let [from, of] = &self.links;
-        for (k, other) in others.iter().enumerate() {
-            let row = first + k;
-            let q = &block.q[row * dof..(row + 1) * dof];
-            let seen = self.soles.seen(q, from, of, other.cop);
-            if let (Some(seen), Some(own)) = (seen, readings.get_mut(row)) {
-                let both = |axis: usize| own[axis] + other.share * (seen[axis] - own[axis]);
-                *own = [both(0), both(1)];
-            }
-        }
-        let weighed = |other: &Share| {
-            let [x, y] = other.cop.map(|x| other.share * x);
-            [other.share, x, y]
-        };
+impl Share {
+    /// The CoP of both contacts in the newest row of a block, which is told of the other one: `own`
+    /// is what the support's adds to it, m; `links` are the support and the other sole.
+    pub fn join(
+        &self,
+        (soles, [from, of]): (&dyn Soles, [&str; 2]),
+        own: [f64; 2],
+        (q, block): (&[f64], &mut Block),
+    ) -> [f64; 2] {
+        let [x, y] = self.cop.map(|x| self.share * x);
         let contacts = block.other.get_or_insert_default();
-        contacts.extend(others.iter().map(weighed));
+        contacts.push([self.share, x, y]);
+        match soles.seen(q, from, of, self.cop) {
+            Some(seen) => [0, 1].map(|axis| own[axis] + self.share * seen[axis]),
+            None => own.map(|x| x / (1.0 - self.share)),
+        }
     }
 }

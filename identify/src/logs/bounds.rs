@@ -110,7 +110,7 @@ fn beyond_a_turn(name: &str, rad: f64) -> Message {
 
 /// The same of a CoP that forces on cells give.
 pub(super) fn check_cop([x, y]: [f64; 2]) -> Result<(), Message> {
-    let check = |x| Bound::COP.check("cop_x, cop_y of the cells", x);
+    let check = |x| Bound::COP.check("cop_x, cop_y of the forces", x);
     check(x).and_then(|()| check(y))
 }
 

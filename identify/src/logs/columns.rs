@@ -7,8 +7,11 @@
 //! -,rad,m                     a row of units: read as if it stood in the names
 //! /joint_states/ankle/position, ankle_pos: told, with the line that renames them
 //! ```
+//!
+//! A sensor that the sidecar names has six columns beside those of the table: `l_fx`, `l_fy`, `l_fz`,
+//! `l_mx`, `l_my`, `l_mz` of `[sensors.l]`.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -17,7 +20,7 @@ use sesc_model::tree::Dof;
 
 use super::bounds::Bound;
 use super::names::{list, meant, short, suggestion};
-use super::settings::{Angles, Options, Readings};
+use super::settings::{Angles, Options, Readings, Sensor};
 use crate::{Message, Setting, message};
 
 pub(super) const POSE: &str = "pose";
@@ -29,6 +32,8 @@ const GRAVITY: [&str; 3] = ["gravity_x", "gravity_y", "gravity_z"];
 /// Before the number of a foot cell, from 1.
 pub(super) const FZ: &str = "fz";
 const CELL: &str = "fsr_";
+/// Behind the name of a sensor: force and moment on the robot.
+const WRENCH: [&str; 6] = ["_fx", "_fy", "_fz", "_mx", "_my", "_mz"];
 /// Behind the name of a reading.
 const STD: &str = "_std";
 
@@ -124,6 +129,8 @@ pub(super) struct Columns {
     pub cells: Range<usize>,
     pub cell_std: Option<usize>,
     pub load: Option<usize>,
+    /// The first of six of each sensor, in the order of their names.
+    pub sensors: Vec<usize>,
     pub gravity: Option<usize>,
     /// Columns that mean nothing here.
     pub ignored: Vec<String>,
@@ -137,10 +144,10 @@ impl Columns {
     pub fn of(
         header: &[String],
         dofs: &[Dof],
-        options: &Options,
-        angles: Angles,
+        (options, angles): (&Options, Angles),
+        sensors: &BTreeMap<String, Sensor>,
     ) -> Result<Columns, Message> {
-        let (header, factors, note) = named(header, dofs);
+        let (header, factors, note) = named(header, dofs, sensors);
         check_joints(dofs)?;
         if header.len() > MOST {
             return Err(format!(
@@ -165,11 +172,23 @@ impl Columns {
         columns.t = columns.take(&mut at, &[T], "")?;
         columns.gravity = columns.take(&mut at, &GRAVITY, "gravity")?;
         if options.readings == Readings::Ignored {
-            at.retain(|name, _| !is_reading(name));
+            let of_sensors: HashSet<String> = sensors.keys().flat_map(|own| wrench(own)).collect();
+            at.retain(|name, _| !is_reading(name) && !of_sensors.contains(*name));
         } else {
             columns.take_readings(&mut at)?;
+            columns.take_sensors(&mut at, sensors)?;
         }
         if options.readings == Readings::Required && !columns.readings() {
+            let sensors = at.keys().filter_map(|name| name.strip_suffix(WRENCH[0]));
+            let is_whole = |own: &&str| wrench(own).iter().all(|name| at.contains_key(&**name));
+            if let Some(own) = sensors.filter(is_whole).min() {
+                return Err(format!(
+                    "columns {} are a wrench, and nothing says about which origin; put \
+                     `[sensors.{own}]` with `frame = \"LINK\"` into the log's sidecar",
+                    list(wrench(own))
+                )
+                .into());
+            }
             let near = suggestion(&COP, at.keys().copied());
             return Err(format!(
                 "no readings; add the columns `cop_x` and `cop_y` (m, support frame), \
@@ -245,6 +264,45 @@ impl Columns {
         })
     }
 
+    /// The wrenches of sensors, which stand alone: the CoP and the total force are theirs.
+    fn take_sensors(
+        &mut self,
+        at: &mut HashMap<&str, usize>,
+        sensors: &BTreeMap<String, Sensor>,
+    ) -> Result<(), String> {
+        for name in sensors.keys() {
+            let (own, what) = (wrench(name), format!("sensor `{}`", short(name)));
+            let first = self.take(at, &own, &what).map_err(|said| {
+                format!("{said}; write zeros for what the sensor does not measure")
+            })?;
+            let first = first.ok_or_else(|| {
+                format!(
+                    "no columns {} of the {what} of the sidecar; name them so, or remove \
+                     `[sensors.{}]`",
+                    list(&own),
+                    short(name)
+                )
+            })?;
+            self.sensors.push(first);
+        }
+        let others = [
+            (self.cop.is_some(), "columns `cop_x` and `cop_y`"),
+            (!self.cells.is_empty(), "columns `fsr_1` …"),
+            (self.load.is_some(), "column `fz`"),
+        ];
+        match others
+            .into_iter()
+            .find(|(is, _)| *is && !sensors.is_empty())
+        {
+            Some((_, other)) => Err(format!(
+                "{other} beside the wrenches of {}, which say the same; remove one of both, \
+                 or `[sensors]` from the sidecar",
+                list(sensors.keys())
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// Take all of `names` or none; some of them is an error about `what`.
     fn take(
         &mut self,
@@ -260,7 +318,9 @@ impl Columns {
             return Ok(None);
         }
         if !missing.is_empty() {
-            let near = suggestion(&missing, at.keys().copied());
+            // `cop_x` is not meant for `cop_y`.
+            let others = at.keys().copied().filter(|name| !names.contains(name));
+            let near = suggestion(&missing, others);
             return Err(format!(
                 "no column {}; {what} needs all of {}{near}",
                 list(&missing),
@@ -268,8 +328,9 @@ impl Columns {
             ));
         }
         for name in names {
-            if let (Some(column), Some(meaning)) = (at.remove(name), meaning(name)) {
-                self.push(column, name, meaning.bound);
+            if let Some(column) = at.remove(name) {
+                let bound = meaning(name).map_or(Bound::FORCE, |own| own.bound);
+                self.push(column, name, bound);
             }
         }
         Ok(Some(start))
@@ -283,12 +344,12 @@ impl Columns {
 
     /// Whether rows carry readings.
     pub fn readings(&self) -> bool {
-        self.cop.is_some() || !self.cells.is_empty()
+        self.cop.is_some() || !self.cells.is_empty() || !self.sensors.is_empty()
     }
 }
 
 /// Units as programs write them, what they are of in SI units, and how many of these one is.
-const UNITS: [(&str, &str, f64); 16] = [
+const UNITS: [(&str, &str, f64); 18] = [
     ("s sec seconds", "s", 1.0),
     ("ms", "s", 1e-3),
     ("us µs", "s", 1e-6),
@@ -305,6 +366,8 @@ const UNITS: [(&str, &str, f64); 16] = [
     ("kN", "N", 1e3),
     ("kgf kg", "N", 9.80665),
     ("lbf lb", "N", 4.448_221_615_260_5),
+    ("Nm N·m N*m", "N m", 1.0),
+    ("Nmm N·mm N*mm", "N m", 1e-3),
 ];
 /// Names that other programs give the time of a row, in small letters: PlotJuggler, pandas,
 /// rostopic, spreadsheets.
@@ -357,6 +420,7 @@ fn is_no_unit(text: &str) -> bool {
 
 /// What a unit is of, in SI units, and how many of these it is.
 fn unit(text: &str) -> Option<(&'static str, f64)> {
+    let text = text.replace(' ', "");
     let is = |names: &str| names.split(' ').any(|name| name == text);
     let known = UNITS.iter().find(|(names, ..)| is(names));
     known.map(|(_, si, factor)| (*si, *factor))
@@ -364,7 +428,11 @@ fn unit(text: &str) -> Option<(&'static str, f64)> {
 
 /// The names of columns without times and units of other programs, what brings the values to s, rad,
 /// m or N, and what is said of it.
-fn named(header: &[String], dofs: &[Dof]) -> (Vec<String>, Vec<f64>, Option<String>) {
+fn named(
+    header: &[String],
+    dofs: &[Dof],
+    sensors: &BTreeMap<String, Sensor>,
+) -> (Vec<String>, Vec<f64>, Option<String>) {
     let joints: HashMap<&str, bool> = dofs
         .iter()
         .map(|dof| (dof.joint.trim(), dof.prismatic))
@@ -373,7 +441,13 @@ fn named(header: &[String], dofs: &[Dof]) -> (Vec<String>, Vec<f64>, Option<Stri
     let unit_of = |name: &str| match joints.get(name) {
         Some(true) => Some("m"),
         Some(false) => Some("rad"),
-        None => meaning(name).map(|column| column.unit),
+        None => {
+            let own = WRENCH.iter().zip(["N", "N", "N", "N m", "N m", "N m"]);
+            let of = own.filter_map(|(end, unit)| Some((name.strip_suffix(end)?, unit)));
+            let mut of_sensors = of.filter(|(sensor, _)| sensors.contains_key(*sensor));
+            let of_wrench = of_sensors.next().map(|(_, unit)| unit);
+            of_wrench.or_else(|| meaning(name).map(|column| column.unit))
+        }
     };
     let is_known = |name: &str| unit_of(name).is_some();
     let (mut names, mut factors, mut told) = (Vec::new(), Vec::new(), Vec::new());
@@ -476,6 +550,11 @@ pub(super) fn meaning(name: &str) -> Option<&'static Column> {
     own.find(|column| column.names.contains(&generic))
 }
 
+/// Columns of a sensor.
+fn wrench(sensor: &str) -> [String; 6] {
+    WRENCH.map(|end| format!("{sensor}{end}"))
+}
+
 /// Name of foot cell `k`, from 1.
 fn cell(k: usize) -> String {
     format!("{CELL}{k}")
@@ -555,11 +634,16 @@ mod tests {
         }
     }
 
+    /// Columns of a log with these joints, and readings.
+    fn of(header: &[String], joints: &[&str]) -> Result<Columns, Message> {
+        let asked = (&required(), Angles::Rad);
+        Columns::of(header, &dofs(joints), asked, &BTreeMap::new())
+    }
+
     #[test]
     fn columns_are_found_by_name_in_any_order() {
         let names = header("fsr_2,knee,,t,fsr_1,hip,note,fsr_1_std,fsr_2_std,pose");
-        let columns =
-            Columns::of(&names, &dofs(&["hip", "knee"]), &required(), Angles::Rad).unwrap();
+        let columns = of(&names, &["hip", "knee"]).unwrap();
         assert_eq!(columns.numbers, [5, 1, 3, 4, 0, 7, 8]);
         assert_eq!((columns.joints, columns.t), (0..2, Some(2)));
         assert_eq!((columns.cells, columns.cell_std), (3..5, Some(5)));
@@ -587,7 +671,7 @@ mod tests {
             ),
             ("hip,cop_x,COP-y", "did you mean `COP-y` for `cop_y`?"),
         ] {
-            let error = Columns::of(&header(names), &dofs(&["hip"]), &required(), Angles::Rad);
+            let error = of(&header(names), &["hip"]);
             says(error.unwrap_err(), &[words]);
         }
     }
@@ -600,7 +684,7 @@ mod tests {
             let first = |name: &&str| name.replace("_k", "_1");
             names.extend(column.names.iter().map(first));
         }
-        let columns = Columns::of(&names, &dofs(&["hip"]), &required(), Angles::Rad).unwrap();
+        let columns = of(&names, &["hip"]).unwrap();
         assert!(columns.ignored.is_empty(), "{:?}", columns.ignored);
         assert_eq!(columns.numbers.len() + 2, names.len());
         for name in &names[1..] {
@@ -623,7 +707,8 @@ mod tests {
     fn units_and_times_of_other_programs_are_read() {
         let read = |header: &str| {
             let header: Vec<String> = header.split(',').map(str::to_string).collect();
-            let (names, factors, note) = named(&header, &dofs(&["hip", "hip_mm"]));
+            let (names, factors, note) =
+                named(&header, &dofs(&["hip", "hip_mm"]), &BTreeMap::new());
             (names.join(","), factors, note)
         };
         let (names, factors, note) = read("t [ms],hip (deg),cop_x_mm,cop_y [m],hip_mm,fsr_1 [kgf]");

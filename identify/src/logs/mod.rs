@@ -53,7 +53,7 @@ pub use reader::{PostureReader, Summary, column_names};
 pub(crate) use samples::{ROOM, Samples, Screen};
 #[doc(hidden)]
 pub use settings::KEYS as SIDECAR_KEYS;
-pub use settings::{Angles, Options, Readings, Sidecar, Stays};
+pub use settings::{Angles, Options, Readings, Sensor, Sidecar, Stays};
 #[doc(hidden)]
 pub use source::panic_becomes_error;
 pub use table::{Table, Values};

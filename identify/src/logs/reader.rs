@@ -4,6 +4,7 @@
 //! source ─▶ chunk of rows ─▶ assembler ─▶ stays ─▶ screen ─▶ block
 //! ```
 
+use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +14,7 @@ use sesc_model::tree::Dof;
 use sesc_model::urdf::Description;
 
 use super::assemble::Assembler;
-use super::block::{Block, Standing};
+use super::block::Block;
 use super::columns::{Columns, no_names};
 use super::csv::CsvSource;
 use super::input::{LogSource, Metered, Place};
@@ -94,8 +95,6 @@ struct FileReader {
     settling: Option<Settling>,
     /// The file, where it is a regular one, and its stamp before anything was read.
     watched: Option<(std::fs::File, Stamp)>,
-    /// The two links that stand, in a recording of both contacts.
-    standing: Option<Standing>,
     /// Of the rows so far, without the hash.
     summary: Summary,
     /// What is odd about the log and has not yet been told.
@@ -148,7 +147,10 @@ impl PostureReader {
             .renamed(source.header())
             .map_err(|said| bad(said.into()))?;
         let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
-        let columns = Columns::of(&header, dofs, options, angles);
+        // A recording has the CoP of its wrenches.
+        let sensors = sidecar.sensors.clone().filter(|_| !source.knows_stays());
+        let sensors = sensors.unwrap_or_default();
+        let columns = Columns::of(&header, dofs, (options, angles), &sensors);
         let columns = columns.map_err(|said| bad(no_names(&header).map_or(said, Message::from)))?;
         warnings.extend(source.warnings());
         let note = columns.note.iter();
@@ -167,11 +169,6 @@ impl PostureReader {
             };
             warnings.push(format!("{file}: {noun} {names} {verb} ignored").into());
         }
-        let soles = options.soles.clone().zip(source.both());
-        let standing = soles.map(|(soles, links)| Standing { soles, links });
-        if let Some(Standing { links, .. }) = &standing {
-            sidecar.other_foot.get_or_insert_with(|| links[1].clone());
-        }
         let timed = columns.t.is_some() && !source.knows_stays() && !dofs.is_empty();
         let settling = match options.stays {
             Stays::Alone(duration) if timed => Some(Settling::new(dofs.len(), Some(duration))),
@@ -184,7 +181,14 @@ impl PostureReader {
             }
             _ => None,
         };
-        let assembler = Assembler::new(&file, columns, dofs, &sidecar, options)?;
+        let mut assembler = Assembler::new(&file, columns, dofs, &sidecar, options)?;
+        assembler.both = source.both();
+        if let Some(links) = &assembler.both {
+            sidecar.other_foot.get_or_insert_with(|| links[1].clone());
+        } else if let Some(other) = assembler.other_sole() {
+            sidecar.other_foot.get_or_insert(other);
+            sidecar.both_feet = Some(true);
+        }
         let reader = FileReader {
             suspicions: Suspicions::new(&file, dofs, angles),
             source,
@@ -198,7 +202,6 @@ impl PostureReader {
             last_pose: None,
             settling,
             watched,
-            standing,
             summary: Summary::default(),
             warnings: Vec::new(),
         };
@@ -401,12 +404,8 @@ impl FileReader {
                 break;
             }
             let end = (self.given + count - block.len()).min(self.raw.line.len());
-            let first = block.len();
             self.assembler
                 .append(&self.raw, self.given..end, &mut block)?;
-            if let Some(standing) = &self.standing {
-                standing.join(&self.raw.other[self.given..end], &mut block, first);
-            }
             self.given = end;
         }
         let summary = &mut self.summary;
@@ -447,7 +446,8 @@ impl FileReader {
             if self.raw.line.is_empty() {
                 return Err(self.assembler.fault(None, "no postures below the header"));
             }
-            self.assembler.look(&mut self.raw)?;
+            let said = self.assembler.look(&mut self.raw)?;
+            self.warnings.extend(said);
             self.settling
                 .take_if(|_| self.assembler.columns.t.is_none());
         }
@@ -526,6 +526,7 @@ fn open_source(
                 ..options.clone()
             },
             [&sidecar.topic, &sidecar.joints_topic].map(Option::as_deref),
+            sidecar.sensors.as_ref().unwrap_or(&BTreeMap::new()),
         )?));
     }
     if let Some(message) = foreign(file, &head).or_else(|| damaged_from_the_start(file, &head)) {

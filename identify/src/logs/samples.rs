@@ -44,7 +44,7 @@ pub struct Samples {
     /// What it weighs, where it has the total force and was looked at.
     pub weight: Option<Weight>,
     kept: Option<Arc<Kept>>,
-    /// Whether nothing stands on the foot cells in some row that is kept.
+    /// Whether nothing stands on the sensor in some row that is kept.
     unloaded: bool,
 }
 
@@ -94,8 +94,8 @@ impl Samples {
             let (done, total) = reader.progress();
             tell(watch, "reading", done, total)?;
         }
-        let loads = rows.cells.iter();
-        let mut loads = loads.flat_map(|cells| cells.force.chunks_exact(cells.count.max(1)));
+        let is_loaded = |row: usize| rows.total_force(row).is_none_or(|n| n >= LEAST_LOAD_N);
+        let unloaded = ended && !(0..rows.len()).all(is_loaded);
         Ok(Samples {
             log: log.clone(),
             screen: None,
@@ -103,7 +103,7 @@ impl Samples {
             dofs,
             options: options.clone(),
             sidecar: reader.sidecar.clone(),
-            unloaded: ended && loads.any(|forces| forces.iter().sum::<f64>() < LEAST_LOAD_N),
+            unloaded,
             kept: ended.then(|| {
                 Arc::new(Kept {
                     rows,

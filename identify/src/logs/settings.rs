@@ -140,7 +140,7 @@ impl StillnessLimits {
 /// documentation.
 #[doc(hidden)]
 #[rustfmt::skip]
-pub const KEYS: [(&str, &str); 12] = [
+pub const KEYS: [(&str, &str); 13] = [
     ("robot", "a name, for reports"),
     ("support", "link on the ground; `foot@40mm` is the sole 40 mm below the frame of `foot`"),
     ("angles", "unit of revolute joints, `rad` or `deg`; `rad` unless given"),
@@ -154,6 +154,8 @@ pub const KEYS: [(&str, &str); 12] = [
     ("joints_topic", "topic of the joints in a recording that has several with the same joints"),
     ("experiment", "the experiment that a diagnosis asked for"),
     ("columns", "columns of other names: the name in the log, then ours"),
+    ("sensors", "sensors of which the log has wrenches: the `frame` of each, or its `pose` in the \
+        support frame, and its `topic` in a recording"),
 ];
 
 /// What the sidecar of a log that this library writes may say.
@@ -192,6 +194,24 @@ pub struct Sidecar {
     pub experiment: Option<String>,
     /// What columns of the log mean that have other names: name in the log, our name.
     pub columns: Option<BTreeMap<String, String>>,
+    /// Sensors of which the log has wrenches, by what their columns begin with.
+    pub sensors: Option<BTreeMap<String, Sensor>>,
+}
+
+/// Where a sensor is that measures a wrench about the origin of its frame: `l_fx`, `l_fy`, `l_fz` (N)
+/// and `l_mx`, `l_my`, `l_mz` (N m) of the sensor `l`, as the ground acts on the robot.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sensor {
+    /// The link whose frame it has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<String>,
+    /// Of one on the floor, in the support frame: x, y, z, m, roll, pitch and yaw, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pose: Option<[f64; 6]>,
+    /// Its topic in a recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub topic: Option<String>,
 }
 
 /// A remedy for angles of the wrong unit, around the name of the setting.
@@ -316,6 +336,17 @@ impl Sidecar {
         }
         if self.readings_per_pose == Some(0) {
             return Err("readings_per_pose is 0; give how many were taken, 1 or more".into());
+        }
+        for (name, sensor) in self.sensors.iter().flatten() {
+            let is_finite = |pose: &[f64; 6]| pose.iter().all(|x| x.is_finite());
+            if sensor.frame.is_some() == sensor.pose.is_some_and(|pose| is_finite(&pose)) {
+                return Err(format!(
+                    "sensor `{}`: give either `frame = \"…\"`, the link about whose origin its \
+                     moments are, or `pose = [x, y, z, roll, pitch, yaw]` in the support frame (m, \
+                     rad)",
+                    short(name)
+                ));
+            }
         }
         for (k, [x, y]) in self.cells.iter().flatten().enumerate() {
             if !(x.abs() <= FOOT && y.abs() <= FOOT) {

@@ -45,6 +45,7 @@ pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     if known {
         let typical = quantile((0..rows.len()).map(load), 0.5)?;
         rules.least_load = Some((LEAST_LOAD * typical).max(LEAST_LOAD_N));
+        rules.lifted = rows.both_feet == Some(true) && rows.block.other.is_some();
     }
     if rows.cells() == 0 {
         let elsewhere = |k: usize| rows.cad[k][0].hypot(rows.cad[k][1]) > UNKNOWN_NOISE_M;
@@ -60,10 +61,12 @@ pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let stretches = lost.chunk_by(|a, b| *b == a + 1).count();
     let what = match rows.cells() {
         0 if !known => "the CoP is exactly zero",
+        0 if rules.lifted => "next to nothing stands on one of the sensors",
         0 => "next to nothing stands on the sensor",
         _ => "next to nothing stands on the cells",
     };
     (left_out.least_load, left_out.zero) = (rules.least_load, rules.zero);
+    left_out.lifted = rules.lifted;
     let sentence = format!(
         "In {} ({:.0} %, {stretches} stretch{}) {what}: the foot lost contact or the sensor \
          dropped out; they are left out. Check that the foot stands flat, and the sensor's cable.",

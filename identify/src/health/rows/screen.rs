@@ -10,7 +10,7 @@ use sesc_model::hash::{START, fnv1a};
 
 use crate::evaluate::Evaluator;
 use crate::health::criteria::STILL;
-use crate::logs::{Block, Screen, Screening};
+use crate::logs::{Block, LEAST_LOAD_N, Screen, Screening};
 
 /// What tells a row: its joints and what was read, to the last bit.
 pub(super) fn key(q: &[f64], reading: &[f64]) -> u64 {
@@ -50,6 +50,8 @@ pub(in crate::health) struct LeftOut {
     pub least_load: Option<f64>,
     /// Stretches in which something else carries the robot, by the places of their rows in the log.
     pub held: Vec<RangeInclusive<u64>>,
+    /// Both feet stand in every row: none with a foot in the air is one.
+    pub lifted: bool,
     /// A CoP of exactly zero is no contact.
     pub zero: bool,
     /// Where channels are clipped, and the CoP is none.
@@ -123,8 +125,13 @@ impl LeftOut {
             [] => (0..2).any(|k| self.frozen.contains(&(k, reading[k].to_bits()))),
             force => self.frozen.contains(&(0, key(&[], force))),
         };
+        let both_stand = || {
+            let share = block.other.as_ref().map_or(0.5, |all| all[row][0]);
+            share.min(1.0 - share) * load() >= LEAST_LOAD_N
+        };
         let stands = |rows: &RangeInclusive<u64>| !rows.contains(&block.line[row]);
         self.least_load.is_none_or(|least| load() >= least)
+            && (!self.lifted || both_stand())
             && self.held.iter().all(stands)
             && !(self.zero && reading == [0.0; 2])
             && (self.frozen.is_empty() || !is_stale())

@@ -9,20 +9,68 @@
 //! F₂(t), F₂ p₂(t)        on the line between the other contact's messages before t and after it
 //! ```
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::sync::Arc;
 
 use super::joints::{LONGEST_S, Track, Waiting};
 use super::{LEAST_LOAD_N, centre};
 use crate::logs::block::{Frame, Share};
 use crate::logs::names::short;
-use crate::logs::settings::Options;
+use crate::logs::settings::{Options, Sensor};
 
 /// Two contacts, that of the support first.
 #[derive(Clone)]
 pub(super) struct Pair {
     pub topics: [String; 2],
     pub links: [String; 2],
+}
+
+/// Topics and frames of the sensors that a sidecar names, that of the support first.
+///
+/// # Errors
+/// A sensor without a topic or a frame, and a third one.
+pub(super) fn named(
+    sensors: &BTreeMap<String, Sensor>,
+    options: &Options,
+) -> Result<Vec<(String, String)>, String> {
+    let of = |(name, sensor): (&String, &Sensor)| {
+        let both = sensor.topic.clone().zip(sensor.frame.clone());
+        both.ok_or_else(|| {
+            format!(
+                "sensor `{}` of the sidecar: a recording needs its `topic` and its `frame`",
+                short(name)
+            )
+        })
+    };
+    let mut named = sensors.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+    if named.len() > 2 {
+        return Err(
+            "a recording is read with the wrenches of two sensors at most; remove others \
+                    from `[sensors]` of the sidecar"
+                .into(),
+        );
+    }
+    let is_own = |frame: &str| {
+        let support = options.support.as_deref();
+        let fixed = || options.soles.as_ref()?.fixed(support?, frame);
+        support == Some(frame) || fixed().is_some()
+    };
+    named.sort_by_key(|(_, frame)| !is_own(frame));
+    Ok(named)
+}
+
+impl Pair {
+    /// The two sensors that a sidecar names.
+    pub fn named(named: &[(String, String)], options: &Options) -> Option<Pair> {
+        let [(own, frame), (other, link)] = named else {
+            return None;
+        };
+        let support = options.support.as_ref().unwrap_or(frame);
+        Some(Pair {
+            topics: [own.clone(), other.clone()],
+            links: [support.clone(), link.clone()],
+        })
+    }
 }
 
 /// Messages of a contact.
@@ -130,6 +178,11 @@ impl<R> Contacts<R> {
     /// A reading of the support at time `t`, s, under a force, N.
     pub fn reading(&mut self, t: f64, force: f64, reading: R) {
         self.waiting.push(t, (force.abs(), reading));
+    }
+
+    /// Whether the other contact never came.
+    pub fn has_no_other(&self) -> bool {
+        self.others.0.is_empty()
     }
 
     /// A wrench of the other contact.

@@ -26,13 +26,13 @@ mod survey;
 #[cfg(test)]
 pub(super) mod tests;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use sesc_model::tree::Dof;
 
 use self::cdr::JointState;
-use self::contacts::{Contacts, Frames};
+use self::contacts::{Contacts, Frames, Pair};
 use self::joints::{LONGEST_S, Moving, State, States};
 use self::records::Records;
 use self::survey::Survey;
@@ -41,7 +41,7 @@ use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, FZ, POSE, SUPPORT, T};
 use super::input::{Metered, Place};
 use super::names::short;
-use super::settings::{Options, Stays, StillnessLimits};
+use super::settings::{Options, Sensor, Stays, StillnessLimits};
 use super::source::{Raw, RowSource};
 use super::stillness::{Posture, StillnessCutter};
 use crate::{Error, Message};
@@ -112,12 +112,19 @@ impl McapSource {
         dofs: &[Dof],
         options: &Options,
         topics: [Option<&str>; 2],
+        sensors: &BTreeMap<String, Sensor>,
     ) -> Result<McapSource, Error> {
         let bad = |message| Error::log(file.to_string(), None, message);
         let start = || Records::new(Metered::open(place, file)?).map_err(bad);
-        let survey = Survey::of(start()?, dofs, topics, options).map_err(bad)?;
+        let named = contacts::named(sensors, options).map_err(bad)?;
+        let own = named.first().map(|(topic, _)| topic.as_str());
+        let topics = [own.or(topics[0]), topics[1]];
+        let mut survey = Survey::of(start()?, dofs, topics, options).map_err(bad)?;
         let mut warnings = Vec::new();
-        if let Some(pair) = &survey.pair {
+        if let Some((_, frame)) = named.first() {
+            survey.frame = Some(frame.clone());
+            survey.pair = Pair::named(&named, options);
+        } else if let Some(pair) = &survey.pair {
             let [one, other] = [0, 1].map(|k| short(&pair.topics[k]));
             let warning = format!(
                 "{file}: both contacts are loaded, `{one}` and `{other}`: rows are of both feet \
@@ -253,7 +260,8 @@ impl McapSource {
             (t, link, 0.0, Some([x, y]))
         } else {
             let (t, frame, wrench) = message.decoded(cdr::wrench)?;
-            let (link, moved) = self.frames.of(&frame);
+            let frame = self.survey.frame.as_ref().unwrap_or(&frame);
+            let (link, moved) = self.frames.of(frame);
             let wrench = moved.map_or(wrench, |frame| frame.moved(wrench));
             (t, link, wrench[0][2], centre(wrench))
         };
@@ -357,6 +365,13 @@ impl McapSource {
 
     /// What to say at the end of the recording.
     fn conclude(&mut self) -> Result<(), String> {
+        let pair = self.survey.pair.as_ref();
+        if let Some(pair) = pair.filter(|_| self.contacts.has_no_other()) {
+            return Err(format!(
+                "no wrench on topic `{}`; mend the `topic` of its sensor in the sidecar",
+                short(&pair.topics[1])
+            ));
+        }
         let mut said = std::mem::take(&mut self.frames.odd);
         said.extend(self.joints.conclude()?);
         if self.postures == 0 {

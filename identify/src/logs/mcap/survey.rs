@@ -32,6 +32,8 @@ pub(super) struct Survey {
     pub chosen: bool,
     /// Whether that topic is of wrenches.
     pub is_wrench: bool,
+    /// Frame of these wrenches, where the sidecar says it.
+    pub frame: Option<String>,
     /// The two contacts of a recording of both feet.
     pub pair: Option<Pair>,
 }
@@ -122,6 +124,7 @@ impl Survey {
             topic: support.or(found).filter(|_| wanted),
             chosen: topic.is_some() || pair.is_some(),
             is_wrench,
+            frame: None,
             pair,
         })
     }
