@@ -40,7 +40,7 @@ use super::block::{Block, Frame, Share};
 use super::bounds::{Bound, LEAST_LOAD_N, check_cop, three_digits};
 use super::columns::{Columns, POSE};
 use super::names::{list, short};
-use super::settings::{Options, Sensor, Sidecar, check_gravity};
+use super::settings::{Options, Readings, Sensor, Sidecar, check_gravity};
 use super::source::{MISSING, Raw};
 use crate::{Error, Message, Setting, message};
 
@@ -115,7 +115,8 @@ impl Assembler {
                 None => assembler.fault(None, format!("sidecar: {message}")),
             })?;
         }
-        for (name, sensor) in assembler.sensors() {
+        let sensors = sidecar.sensors.iter().flatten();
+        for (name, sensor) in sensors.filter(|_| options.readings != Readings::Ignored) {
             if let Some(frame) = &sensor.frame {
                 assembler.known_frame(name, frame)?;
             }
@@ -179,8 +180,11 @@ impl Assembler {
 
     /// The sole of a foot in whose frame a sensor is that is not the support's.
     fn sole_of(&self, support: &str, frame: &str) -> String {
-        let named = self.sidecar.other_foot.clone();
-        named.unwrap_or_else(|| like_sole(support, frame))
+        match &self.sidecar.other_foot {
+            Some(named) => named.clone(),
+            None if frame.contains('@') => frame.to_string(),
+            None => like_sole(support, frame),
+        }
     }
 
     /// Places of the foot cells, m.
@@ -482,10 +486,10 @@ impl Assembler {
         if !columns.readings() {
             return Ok(());
         }
+        let pair = |k: usize| [numbers[k], numbers[k + 1]];
+        let std_of_cop = || Some(pair(columns.cop_std?).map(|s| s * self.shrink));
         let (cop, std) = match columns.cop {
             Some(k) => {
-                let pair = |k: usize| [numbers[k], numbers[k + 1]];
-                let std = columns.cop_std.map(pair);
                 let mut cop = pair(k);
                 if let (Some(other), Some([from, of])) = (other, &self.both)
                     && let Some(soles) = &self.options.soles
@@ -494,12 +498,12 @@ impl Assembler {
                     let q = &numbers[columns.joints.clone()];
                     cop = other.join((&**soles, [from, of]), own, (q, block));
                 }
-                (cop, std.map(|std| std.map(|s| s * self.shrink)))
+                (cop, std_of_cop())
             }
             None if !columns.sensors.is_empty() => {
                 let cop = self.by_sensors(numbers, support, block)?;
                 check_cop(cop)?;
-                (cop, None)
+                (cop, std_of_cop())
             }
             None => {
                 let cop = match centre(self.places(), force) {
@@ -597,15 +601,10 @@ impl Assembler {
             return Some((None, Frame::posed(pose).moved(wrench)));
         }
         let link = sensor.frame.as_deref()?;
+        let fixed = |sole: &str| self.options.soles.as_ref()?.fixed(sole, link);
         let moved = |sole: &str| match sole == link {
             true => Some(wrench),
-            false => Some(
-                self.options
-                    .soles
-                    .as_ref()?
-                    .fixed(sole, link)?
-                    .moved(wrench),
-            ),
+            false => fixed(sole).map(|frame| frame.moved(wrench)),
         };
         if let Some(moved) = moved(support) {
             return Some((None, moved));
