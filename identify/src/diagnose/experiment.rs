@@ -103,7 +103,10 @@ impl<'a, 'm> Trial<'a, 'm> {
         let mut by_posture = vec![0.0; n];
         let (expected, _) = self.rows(truth);
         let expected = expected + self.mass_shift(truth);
-        let paid = self.here.mass_errors(truth, ALL).norm_squared();
+        let found = self.here.mass_errors(truth, ALL);
+        // The total mass moves no reading, old or new.
+        let total = usize::from(self.here.prior(&truth.terms).total.is_some());
+        let paid = found.rows(0, found.len() - total).norm_squared();
         let separation = |other: &&Fit| {
             let (theirs, slopes) = self.rows(other);
             let (left, pays) = least(&(&expected - theirs), &slopes, &self.masses(&other.terms));
