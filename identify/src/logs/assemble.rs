@@ -145,37 +145,28 @@ impl Assembler {
 
     /// Whether a sensor's frame is one of the robot's.
     fn known_frame(&self, name: &str, frame: &str) -> Result<(), Error> {
-        let links = self.options.links.iter().map(String::as_str);
-        if self.options.links.is_empty() || is_support(frame, links.clone()) {
-            return Ok(());
-        }
-        let meant = match nearest(frame, "", links.clone()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("the robot has {}.", list(links)),
-        };
-        let said = format!(
-            "sidecar: sensor `{}` is in the frame `{}`, which is no link: {meant} A plate on the \
-             floor has, in place of `frame`, `pose = [x, y, z, roll, pitch, yaw]` in the support \
-             frame (m, rad)",
-            short(name),
-            short(frame)
-        );
-        Err(self.fault(None, said))
+        self.known(frame).map_err(|meant| {
+            let said = format!(
+                "sidecar: sensor `{}` is in the frame `{}`, which is no link: {meant}; a plate on \
+                 the floor has, in place of `frame`, `pose = [x, y, z, roll, pitch, yaw]` in the support \
+                 frame (m, rad)",
+                short(name),
+                short(frame)
+            );
+            self.fault(None, said)
+        })
     }
 
     /// The other sole, where sensors of two feet stand on it and the support of all rows.
     pub fn other_sole(&self) -> Option<String> {
         let said = self.options.both_feet.or(self.sidecar.both_feet);
-        let (soles, support) = (self.options.soles.as_ref()?, self.support_of_all()?);
-        let is_own = |sensor: &Sensor| match &sensor.frame {
-            Some(frame) => **frame == *support || soles.fixed(&support, frame).is_some(),
-            None => true,
-        };
-        let others = self.sensors().filter(|(_, sensor)| !is_own(sensor));
-        let mut others = others.filter_map(|(_, sensor)| sensor.frame.as_ref());
-        let is_of_both = said != Some(false) && self.sensors().any(|(_, sensor)| is_own(sensor));
-        let other = others.next().filter(|_| is_of_both)?;
-        Some(self.sole_of(&support, other))
+        let support = self.support_of_all()?;
+        let placed = |(_, sensor)| self.placed(&support, sensor, [[0.0; 3]; 2]);
+        let soles: Vec<_> = self.sensors().filter_map(placed).collect();
+        let is_own = |(sole, _): &(Option<String>, _)| sole.is_none();
+        let is_of_both = said != Some(false) && soles.iter().any(is_own);
+        let mut others = soles.into_iter().filter_map(|(sole, _)| sole);
+        others.next().filter(|_| is_of_both)
     }
 
     /// The sole of a foot in whose frame a sensor is that is not the support's.
@@ -650,15 +641,20 @@ impl Assembler {
     }
 
     fn known_link(&self, link: &str) -> Result<(), String> {
+        let known = self.known(link);
+        known.map_err(|meant| format!("no link `{}` to stand on; {meant}", short(link)))
+    }
+
+    /// Whether the robot has a link, where it is known; else what is meant, or what it has.
+    fn known(&self, link: &str) -> Result<(), String> {
         let links = self.options.links.iter().map(String::as_str);
         if self.options.links.is_empty() || is_support(link, links.clone()) {
             return Ok(());
         }
-        let meant = match nearest(link, "", links.clone()) {
+        Err(match nearest(link, "", links.clone()) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("the robot has {}", list(links)),
-        };
-        Err(format!("no link `{}` to stand on; {meant}", short(link)))
+        })
     }
 }
 

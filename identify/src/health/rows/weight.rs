@@ -16,6 +16,7 @@
 use std::ops::Range;
 
 use sesc_model::inertia::GRAVITY;
+use sesc_model::text::listed;
 use sesc_model::{Function, Model};
 
 use super::LogRows;
@@ -26,7 +27,7 @@ use crate::health::criteria::weight::{
 };
 use crate::health::criteria::{FEW_ROWS, FORCE_UNLIKE};
 use crate::health::{Finding, Kind};
-use crate::logs::{Quantity, Weight};
+use crate::logs::{Quantity, Weight, keep_some};
 use crate::observations::noise::quantile;
 
 /// Rows of a log with what stands on the sensor in each.
@@ -140,18 +141,9 @@ impl<'r> Weighed<'r> {
     /// These stretches in words.
     fn named(&self, stretches: &[Range<usize>]) -> String {
         let number = |k: usize| self.rows.number(self.own[k]);
-        let mut longest = stretches.to_vec();
-        longest.sort_by_key(|own| std::cmp::Reverse(own.len()));
-        longest.truncate(4);
-        longest.sort_by_key(|own| own.start);
-        let named = longest
-            .iter()
-            .map(|own| format!("{} to {}", number(own.start), number(own.end - 1)));
-        let more = match stretches.len().saturating_sub(longest.len()) {
-            0 => "",
-            _ => " and others",
-        };
-        format!("{}{more}", named.collect::<Vec<_>>().join(", "))
+        let named = stretches.iter();
+        let named = named.map(|own| format!("{} to {}", number(own.start), number(own.end - 1)));
+        listed(named, 4)
     }
 
     fn finding(&self, kind: Kind, sentence: String, meant: &[bool]) -> Finding {
@@ -195,10 +187,9 @@ impl<'r> Weighed<'r> {
             self.named(&stretches),
         );
         let finding = self.finding(Kind::ContactLost, sentence, &meant);
-        let mut free = meant.iter().map(|meant| !meant);
-        self.own.retain(|_| free.next().unwrap_or(true));
-        let mut free = meant.iter().map(|meant| !meant);
-        self.mass.retain(|_| free.next().unwrap_or(true));
+        let free: Vec<bool> = meant.iter().map(|meant| !meant).collect();
+        keep_some(&mut self.own, 1, &free);
+        keep_some(&mut self.mass, 1, &free);
         Some(finding)
     }
 
