@@ -91,6 +91,7 @@ fn run(program: &Program, arrays: &[Vec<f64>], round: impl Fn(f64) -> f64) -> Op
             Expr::Cos(a) => libm::cos(at(a)),
             Expr::Clamp(a) => at(a).clamp(-1.0, 1.0),
             Expr::Pow(a, b) => libm::pow(at(a), at(b)),
+            Expr::Max(a, b) => at(a).max(at(b)),
         };
         if program.least(id).is_some_and(|least| value < least) {
             return None;

@@ -60,7 +60,7 @@ pub struct Counts {
     /// Sign changes that no addition absorbs.
     #[serde(skip)]
     pub neg: usize,
-    /// Divisions, clamps and powers, which only effects need; left out of JSON where
+    /// Divisions, clamps, powers and maxima, which only effects need; left out of JSON where
     /// there are none.
     #[serde(skip_serializing_if = "is_zero")]
     pub other: usize,
@@ -117,9 +117,12 @@ pub fn operands(expr: Expr) -> impl Iterator<Item = Id> {
     let (a, b) = match expr {
         Expr::Const(_) | Expr::Input { .. } => (None, None),
         Expr::Neg(a) | Expr::Sin(a) | Expr::Cos(a) | Expr::Clamp(a) => (Some(a), None),
-        Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Mul(a, b) | Expr::Div(a, b) | Expr::Pow(a, b) => {
-            (Some(a), Some(b))
-        }
+        Expr::Add(a, b)
+        | Expr::Sub(a, b)
+        | Expr::Mul(a, b)
+        | Expr::Div(a, b)
+        | Expr::Pow(a, b)
+        | Expr::Max(a, b) => (Some(a), Some(b)),
     };
     a.into_iter().chain(b)
 }
@@ -137,6 +140,7 @@ pub(crate) fn rename(expr: Expr, to: impl Fn(Id) -> Id) -> Expr {
         Expr::Cos(a) => Expr::Cos(to(a)),
         Expr::Clamp(a) => Expr::Clamp(to(a)),
         Expr::Pow(a, b) => Expr::Pow(to(a), to(b)),
+        Expr::Max(a, b) => Expr::Max(to(a), to(b)),
     }
 }
 
@@ -329,7 +333,7 @@ impl Program {
                 Expr::Add(..) | Expr::Sub(..) => counts.add += 1,
                 Expr::Mul(..) => counts.mul += 1,
                 Expr::Neg(_) => counts.neg += 1,
-                Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..) => counts.other += 1,
+                Expr::Div(..) | Expr::Clamp(_) | Expr::Pow(..) | Expr::Max(..) => counts.other += 1,
             }
         }
         counts.sin_cos = self.angles().len();

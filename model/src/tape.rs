@@ -202,9 +202,10 @@ mod tests {
                 10 => graph.neg(a),
                 11 => graph.sin(a),
                 12 => graph.cos(a),
-                _ => match any.below(3) {
+                _ => match any.below(4) {
                     0 => graph.div(a, b),
                     1 => graph.clamp(a),
+                    2 => graph.max(a, b),
                     _ => {
                         let base = graph.mul(a, a);
                         graph.pow(base, b)

@@ -190,6 +190,11 @@ impl<S: Real, const N: usize> Real for Lanes<S, N> {
         self
     }
 
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        self.zip(other, |a, b| a.larger(b))
+    }
+
     #[inline]
     fn power(self, exponent: Self) -> Self {
         self.zip(exponent, |a, b| a.power(b))

@@ -13,7 +13,8 @@
 //! ```
 //!
 //! a cell saturates, or answers with a power of its load; backlash follows the sign
-//! of a gravity moment. They take division, [`Real::clamp_unit`] and [`Real::power`].
+//! of a gravity moment. They take division, [`Real::clamp_unit`], [`Real::larger`]
+//! and [`Real::power`].
 //! What has all these operations can stand for a joint angle: `f64`, `f32`, or a
 //! whole row of postures ([`Lanes`](crate::Lanes)).
 
@@ -95,6 +96,15 @@ pub trait Real:
     /// ```
     fn clamp_unit(self) -> Self;
 
+    /// The larger of two numbers, this one where neither is: NaN where this one is.
+    ///
+    /// ```
+    /// use sesc_runtime::Real;
+    ///
+    /// assert_eq!([-3.0, 0.25].map(|x| Real::larger(x, 0.0)), [0.0, 0.25]);
+    /// ```
+    fn larger(self, other: Self) -> Self;
+
     /// This number, not negative, to the power of `exponent`.
     ///
     /// Accuracy and edges are those of [`power`]: NaN for negative numbers.
@@ -123,6 +133,11 @@ impl Real for f64 {
         self.clamp(-1.0, 1.0)
     }
 
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        if self < other { other } else { self }
+    }
+
     #[inline]
     fn power(self, exponent: Self) -> Self {
         power::power(self, exponent)
@@ -143,6 +158,11 @@ impl Real for f32 {
     #[inline(always)]
     fn clamp_unit(self) -> Self {
         self.clamp(-1.0, 1.0)
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        if self < other { other } else { self }
     }
 
     #[inline]
@@ -201,6 +221,10 @@ mod tests {
             assert_eq!(Real::clamp_unit(x as f32), nearest as f32);
         }
         assert_eq!((-0.0_f64).clamp_unit().to_bits(), (-0.0_f64).to_bits());
+        // The first where neither is larger.
+        assert_eq!((-0.0_f64).larger(0.0).to_bits(), (-0.0_f64).to_bits());
+        assert_eq!((7.0_f32.larger(8.0), 8.0_f64.larger(7.0)), (8.0, 8.0));
+        assert!(f64::NAN.larger(0.0).is_nan() && f32::NAN.larger(0.0).is_nan());
         assert!(f64::NAN.clamp_unit().is_nan() && f32::NAN.clamp_unit().is_nan());
     }
 

@@ -104,6 +104,7 @@ impl<'p> Analysis<'p> {
             Expr::Div(a, b) => above(a) && above(b),
             Expr::Mul(a, b) => a == b || (above(a) && above(b)),
             Expr::Clamp(a) | Expr::Pow(a, _) => above(a),
+            Expr::Max(a, b) => above(a) || above(b) || self.is_size(a, b),
             Expr::Sub(..) | Expr::Neg(_) | Expr::Sin(_) | Expr::Cos(_) => false,
         };
         by_operation || range.lower - range.error >= 0.0
@@ -113,6 +114,12 @@ impl<'p> Analysis<'p> {
     fn lifts(&self, clamp: Id, constant: Id) -> bool {
         let exprs = (self.program.expr(clamp), self.program.expr(constant));
         matches!(exprs, (Expr::Clamp(_), Expr::Const(x)) if x >= 1.0)
+    }
+
+    /// Whether the larger of the two is a magnitude: one is the negative of the other.
+    fn is_size(&self, a: Id, b: Id) -> bool {
+        let negative_of = |x: Id, of: Id| self.program.expr(x) == Expr::Neg(of);
+        negative_of(a, b) || negative_of(b, a)
     }
 
     /// Node `id`: one operation on enclosed operands.
@@ -195,18 +202,36 @@ impl<'p> Analysis<'p> {
                 error: operand(a).error + self.kernel(operand(a).size()),
             },
             Expr::Clamp(a) => operations::clamped(operand(a)),
+            Expr::Max(a, b) => {
+                let mut larger = operations::larger(operand(a), operand(b));
+                if self.is_size(a, b) {
+                    larger.lower = larger.lower.max(0.0);
+                }
+                Range {
+                    error: larger.error + self.rounding(id, 0.0),
+                    ..larger
+                }
+            }
             Expr::Div(a, b) => match operations::quotient(operand(a), operand(b)) {
                 Some(exact) => range(exact.lower, exact.upper, exact.error),
                 None => operations::UNBOUNDED,
             },
             Expr::Pow(a, b) => {
-                let above = self.not_negative[a.index()];
+                // A maximum with a constant is computed as no less than that.
+                let floor = match self.program.expr(a) {
+                    Expr::Max(_, b) => match self.program.expr(b) {
+                        Expr::Const(x) if x > 0.0 => Some(x),
+                        _ => None,
+                    },
+                    _ => None,
+                };
+                let floor = floor.or_else(|| self.not_negative[a.index()].then_some(0.0));
                 let unit = match self.arithmetic {
                     Arithmetic::Float { precision, .. } => precision.unit(),
                     // Not to be had: refused when formats are chosen.
                     Arithmetic::Fixed(_) => f64::INFINITY,
                 };
-                operations::power(operand(a), operand(b), above, unit)
+                operations::power(operand(a), operand(b), floor, unit)
                     .unwrap_or(operations::UNBOUNDED)
             }
         }

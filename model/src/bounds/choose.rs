@@ -64,7 +64,7 @@ impl Formats {
                     fitting(analysis.range(id).size()).min(formats.of(a) + formats.of(b))
                 }
                 // Constants take the format of the sum, which must hold them too.
-                Expr::Add(a, b) | Expr::Sub(a, b) => {
+                Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Max(a, b) => {
                     let least = formats.of(a).min(formats.of(b));
                     fitting(analysis.range(id).size()).min(least)
                 }

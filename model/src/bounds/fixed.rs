@@ -165,7 +165,7 @@ impl Formats {
                 Expr::Input { argument, .. } => self.arrays[program.slot(argument)],
                 Expr::Neg(a) => self.of(a),
                 Expr::Mul(a, b) => self.of(a) + self.of(b),
-                Expr::Add(a, b) | Expr::Sub(a, b) => self.of(a).min(self.of(b)),
+                Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Max(a, b) => self.of(a).min(self.of(b)),
                 _ => MOST,
             };
             let bits = &mut self.nodes[id.index()];

@@ -1,4 +1,4 @@
-//! Quotients, clamps and powers, which only effects need.
+//! Quotients, clamps, powers and maxima, which only effects need.
 //!
 //! ```text
 //! |â/b̂ − a/b| ≤ (E(a) + |a/b| E(b)) / (min|b| − E(b))
@@ -56,17 +56,35 @@ pub(super) fn clamped(a: Range) -> Range {
     }
 }
 
+/// The larger of `a` and `b`: it moves by no more than either.
+pub(super) fn larger(a: Range, b: Range) -> Range {
+    Range {
+        lower: a.lower.max(b.lower),
+        upper: a.upper.max(b.upper),
+        // One that is never chosen brings no error along.
+        error: match (a.lower - a.error - b.error, b.lower - a.error - b.error) {
+            (least, _) if least > b.upper => a.error,
+            (_, least) if least > a.upper => b.error,
+            _ if a.is_bounded() && b.is_bounded() => a.error.max(b.error),
+            _ => f64::INFINITY,
+        },
+    }
+}
+
 /// Enclosure of `a` to the power of `b`, and its error with the kernel's in
-/// arithmetic of unit roundoff `unit`. `positive`: the base is computed by
-/// operations that cannot round below zero.
-pub(super) fn power(a: Range, b: Range, positive: bool, unit: f64) -> Option<Range> {
-    let computable = positive || a.lower - a.error >= 0.0;
+/// arithmetic of unit roundoff `unit`. The base is computed by operations that cannot round below
+/// `floor`, which is zero or more, if there is such a number.
+pub(super) fn power(a: Range, b: Range, floor: Option<f64>, unit: f64) -> Option<Range> {
+    let computable = floor.is_some() || a.lower - a.error >= 0.0;
     if !(computable && a.lower >= 0.0 && a.is_bounded() && b.is_bounded()) {
         return None;
     }
     let (lower, upper) = ends(corners([a.lower, a.upper], [b.lower, b.upper]));
     // All that operands are and may be computed as.
-    let base = [(a.lower - a.error).max(0.0), a.upper + a.error];
+    let base = [
+        (a.lower - a.error).max(floor.unwrap_or(0.0)),
+        a.upper + a.error,
+    ];
     let exponent = [b.lower - b.error, b.upper + b.error];
     let by_base = match a.error {
         0.0 => 0.0,
@@ -194,7 +212,7 @@ mod tests {
             (range(0.2, 0.4, 1e-3), range(-2.0, -0.5, 1e-3)),
             (range(0.2, 5.0, 0.0), range(-1.0, 2.0, 1e-2)),
         ] {
-            let found = power(a, b, true, U).unwrap();
+            let found = power(a, b, Some(0.0), U).unwrap();
             let walk = |r: Range| {
                 (0..=40).map(move |k| r.lower + (r.upper - r.lower) * f64::from(k) / 40.0)
             };
@@ -215,10 +233,10 @@ mod tests {
     #[test]
     fn powers_without_a_bound_have_none() {
         let near_one = range(0.9, 1.1, 0.0);
-        assert!(power(range(-1e-9, 1.0, 0.0), near_one, true, U).is_none());
-        assert!(power(range(0.0, 1.0, 1e-9), near_one, false, U).is_none());
-        assert!(power(range(0.0, 1.0, 1e-9), near_one, true, U).is_some());
-        assert!(power(range(0.0, 1.0, 0.0), range(-1.0, 1.0, 0.0), true, U).is_none());
-        assert!(power(UNBOUNDED, near_one, true, U).is_none());
+        assert!(power(range(-1e-9, 1.0, 0.0), near_one, Some(0.0), U).is_none());
+        assert!(power(range(0.0, 1.0, 1e-9), near_one, None, U).is_none());
+        assert!(power(range(0.0, 1.0, 1e-9), near_one, Some(0.0), U).is_some());
+        assert!(power(range(0.0, 1.0, 0.0), range(-1.0, 1.0, 0.0), Some(0.0), U).is_none());
+        assert!(power(UNBOUNDED, near_one, Some(0.0), U).is_none());
     }
 }

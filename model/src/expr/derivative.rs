@@ -9,6 +9,11 @@
 //! central differences of the function itself, written as expressions: no
 //! further operation is needed, and steps are small enough (2^-20, 2^-17) that
 //! they are exact to 1e-9 but at the clamp's corners, where they lie between.
+//! Of the larger of two it is the slope of that one, chosen by a steep clamp:
+//!
+//! ```text
+//! max(a, b)' = b' + s (a' − b')        s = ½ + ½ clamp(2^20 (a − b))
+//! ```
 
 use std::collections::HashMap;
 
@@ -17,6 +22,8 @@ use super::graph::{Expr, Graph, Id};
 /// Steps of the differences that stand for a slope, powers of two.
 const CLAMP_STEP: f64 = 1.0 / 1_048_576.0;
 const POWER_STEP: f64 = 1.0 / 131_072.0;
+/// How steeply a side is chosen: a power of two, so that it is no rounded number.
+const STEEP: f64 = 1_048_576.0;
 
 /// What a change does to a clamp.
 #[derive(Clone, Copy, PartialEq)]
@@ -85,6 +92,18 @@ impl Graph {
                         g.clamp(moved)
                     })
                 }
+                Expr::Max(a, b) => {
+                    let (first, second) = (d[a.index()], d[b.index()]);
+                    let difference = self.sub(first, second);
+                    let by_side = match self.value(difference) {
+                        Some(0.0) => zero,
+                        _ => {
+                            let side = self.side(a, b);
+                            self.mul(side, difference)
+                        }
+                    };
+                    self.add(second, by_side)
+                }
                 Expr::Pow(a, b) => {
                     let (base, exponent) = (d[a.index()], d[b.index()]);
                     // (a^b)' = b a^(b-1) a' + slope in b
@@ -102,6 +121,22 @@ impl Graph {
             };
         }
         of.iter().map(|id| d[id.index()]).collect()
+    }
+
+    /// 1 where `a` is the larger, 0 where `b` is.
+    fn side(&mut self, a: Id, b: Id) -> Id {
+        let difference = self.sub(a, b);
+        let sign = self.sign(difference);
+        let half = self.constant(0.5);
+        let scaled = self.mul(half, sign);
+        self.add(scaled, half)
+    }
+
+    /// The sign of `a`; what is next to zero lies between.
+    pub fn sign(&mut self, a: Id) -> Id {
+        let steep = self.constant(STEEP);
+        let scaled = self.mul(steep, a);
+        self.clamp(scaled)
     }
 
     /// `inner` times the slope of `f`, a central difference over ±`step`.

@@ -56,6 +56,8 @@ pub enum Expr {
     Clamp(Id),
     /// The first, not negative, to the power of the second.
     Pow(Id, Id),
+    /// The larger of two; the first where they are equal.
+    Max(Id, Id),
 }
 
 /// A node's identity for hash-consing: commutative operands sorted, floats by bits.
@@ -72,6 +74,7 @@ enum Key {
     Cos(Id),
     Clamp(Id),
     Pow(Id, Id),
+    Max(Id, Id),
 }
 
 /// A vector of nodes, see [`Graph::know`].
@@ -225,6 +228,10 @@ impl Graph {
             Expr::Cos(a) => Key::Cos(a),
             Expr::Clamp(a) => Key::Clamp(a),
             Expr::Pow(a, b) => Key::Pow(a, b),
+            Expr::Max(a, b) => {
+                let (a, b) = sorted(a, b);
+                Key::Max(a, b)
+            }
         };
         let nodes = &mut self.nodes;
         *self.index.entry(key).or_insert_with(|| {

@@ -179,6 +179,26 @@ impl Graph {
             _ => self.intern(Expr::Pow(a, b)),
         }
     }
+
+    /// The larger of `a` and `b`; a constant stands second.
+    pub fn max(&mut self, a: Id, b: Id) -> Id {
+        match (self.value(a), self.value(b)) {
+            (Some(x), Some(y)) => self.constant(if x < y { y } else { x }),
+            _ if a == b => a,
+            (Some(_), None) => self.intern(Expr::Max(b, a)),
+            _ => self.intern(Expr::Max(a, b)),
+        }
+    }
+
+    /// `|a|`
+    pub fn abs(&mut self, a: Id) -> Id {
+        let a = match self.expr(a) {
+            Expr::Neg(x) => x,
+            _ => a,
+        };
+        let negative = self.neg(a);
+        self.max(a, negative)
+    }
 }
 
 #[cfg(test)]
@@ -231,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn quotients_clamps_and_powers_fold() {
+    fn quotients_clamps_powers_and_maxima_fold() {
         let (mut g, x, y) = graph();
         let (half, two, one) = (g.constant(0.5), g.constant(2.0), g.constant(1.0));
         assert_eq!(g.div(x, two), g.mul(half, x));
@@ -243,5 +263,10 @@ mod tests {
         assert_eq!(g.clamp(minus_y), g.neg(inside));
         assert_eq!(g.pow(x, one), x);
         assert_eq!(g.pow(two, two), g.constant(4.0));
+        assert_eq!(g.max(half, two), two);
+        assert_eq!(g.max(x, x), x);
+        assert_eq!(g.max(half, x), g.max(x, half));
+        assert_eq!(g.max(x, y), g.max(y, x));
+        assert_eq!(g.abs(minus_y), g.abs(y));
     }
 }

@@ -26,6 +26,7 @@ impl Graph {
                 Expr::Mul(a, b) if moved(a) || moved(b) => self.mul(at(a), at(b)),
                 Expr::Div(a, b) if moved(a) || moved(b) => self.div(at(a), at(b)),
                 Expr::Pow(a, b) if moved(a) || moved(b) => self.pow(at(a), at(b)),
+                Expr::Max(a, b) if moved(a) || moved(b) => self.max(at(a), at(b)),
                 Expr::Neg(a) if moved(a) => self.neg(at(a)),
                 Expr::Sin(a) if moved(a) => self.sin(at(a)),
                 Expr::Cos(a) if moved(a) => self.cos(at(a)),

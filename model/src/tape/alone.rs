@@ -9,7 +9,7 @@ use std::sync::Mutex;
 
 use super::products::Steps;
 use super::sources::{RegisterFill, inputs};
-use super::step::{Operation, Step};
+use super::step::{Operation, Step, larger};
 use super::{Kernels, SHORT, Values};
 use crate::program::Program;
 
@@ -172,6 +172,7 @@ impl Run {
             Run::WideProducts(all) => products(all, values, |four| four.map(|k| k as usize)),
             Run::Others(Operation::Div, all) => each(all, values, |x, y| x / y),
             Run::Others(Operation::Clamp, all) => each(all, values, |x, _| x.clamp(-1.0, 1.0)),
+            Run::Others(Operation::Max, all) => each(all, values, larger),
             Run::Others(Operation::Pow, all) => each(all, values, |x, y| {
                 let mut power = [0.0; SHORT];
                 (kernels.power)(&[x; SHORT], &[y; SHORT], &mut power);

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::plan::{Binary, Plan, Step};
 use super::rows::{Register, read, write};
+use super::step::larger;
 use super::sums::Sum;
 use super::{Kernels, SHORT, Values};
 use crate::wide::{Loops, widest};
@@ -101,6 +102,7 @@ fn steps<const N: usize>(block: Steps<N>) {
                 Binary::Sub => binary(registers, uniform, to, of, |x, y| x - y),
                 Binary::Mul => binary(registers, uniform, to, of, |x, y| x * y),
                 Binary::Div => binary(registers, uniform, to, of, |x, y| x / y),
+                Binary::Max => binary(registers, uniform, to, of, larger),
                 Binary::Pow => {
                     let [base, exponent] = of.map(|k| registers[k as usize]);
                     (kernels.power)(&base.0, &exponent.0, &mut registers[to as usize].0);

@@ -146,6 +146,10 @@ impl<'a> Lowering<'a> {
                 let places = [to, a.index(), b.index()];
                 self.push(Step::Other(Operation::Pow, places), part);
             }
+            Expr::Max(a, b) => {
+                let places = [to, a.index(), b.index()];
+                self.push(Step::Other(Operation::Max, places), part);
+            }
             Expr::Clamp(a) => {
                 let places = [to, a.index(), a.index()];
                 self.push(Step::Other(Operation::Clamp, places), part);

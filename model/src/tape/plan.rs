@@ -16,6 +16,7 @@ pub(super) enum Binary {
     Mul,
     Div,
     Pow,
+    Max,
 }
 
 /// A step on registers. What it makes goes to registers that it does not read.
@@ -193,6 +194,7 @@ impl Registers {
             Expr::Mul(a, b) => (Binary::Mul, a, b),
             Expr::Div(a, b) => (Binary::Div, a, b),
             Expr::Pow(a, b) => (Binary::Pow, a, b),
+            Expr::Max(a, b) => (Binary::Max, a, b),
             Expr::Neg(a) => return Some(Step::Neg(self.make(id), self.at(a))),
             Expr::Clamp(a) => return Some(Step::Clamp(self.make(id), self.at(a))),
             Expr::Const(_) | Expr::Input { .. } | Expr::Sin(_) | Expr::Cos(_) => return None,

@@ -6,6 +6,7 @@ pub(super) enum Operation {
     Div,
     Clamp,
     Pow,
+    Max,
     /// The cosine goes where the second operand says.
     SinCos,
 }
@@ -17,6 +18,12 @@ pub(super) enum Step {
     Product([usize; 4]),
     /// `[to, a, b]`
     Other(Operation, [usize; 3]),
+}
+
+/// The larger of two numbers, the first where neither is.
+#[inline(always)]
+pub(super) fn larger(x: f64, y: f64) -> f64 {
+    if x < y { y } else { x }
 }
 
 impl Step {

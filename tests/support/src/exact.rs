@@ -29,6 +29,8 @@ pub trait Number: Copy {
     fn sin_cos(self) -> (Self, Self);
     /// The nearest number in [-1, 1].
     fn clamp(self) -> Self;
+    /// The larger of both.
+    fn larger(self, other: Self) -> Self;
     /// To the power of `exponent`, for what is not negative.
     fn power(self, exponent: Self) -> Self;
 }
@@ -58,6 +60,9 @@ impl Number for f32 {
     fn clamp(self) -> f32 {
         f32::clamp(self, -1.0, 1.0)
     }
+    fn larger(self, other: f32) -> f32 {
+        sesc_runtime::Real::larger(self, other)
+    }
     fn power(self, exponent: f32) -> f32 {
         sesc_runtime::power::power_f32(self, exponent)
     }
@@ -82,6 +87,7 @@ enum Step {
     Cos(usize),
     Clamp(usize),
     Pow(usize, usize),
+    Max(usize, usize),
 }
 
 impl Interpreter {
@@ -104,6 +110,7 @@ impl Interpreter {
             Expr::Cos(a) => Step::Cos(places[&a]),
             Expr::Clamp(a) => Step::Clamp(places[&a]),
             Expr::Pow(a, b) => Step::Pow(places[&a], places[&b]),
+            Expr::Max(a, b) => Step::Max(places[&a], places[&b]),
         };
         Interpreter {
             steps: program.nodes.iter().map(|node| step(node.expr)).collect(),
@@ -127,6 +134,7 @@ impl Interpreter {
                 Step::Neg(a) => values[a].neg(),
                 Step::Clamp(a) => values[a].clamp(),
                 Step::Pow(a, b) => values[a].power(values[b]),
+                Step::Max(a, b) => values[a].larger(values[b]),
                 Step::Sin(a) => pairs.entry(a).or_insert_with(|| values[a].sin_cos()).0,
                 Step::Cos(a) => pairs.entry(a).or_insert_with(|| values[a].sin_cos()).1,
             };
@@ -286,6 +294,13 @@ impl Number for Double {
             x if x > 1.0 || (x == 1.0 && self.low > 0.0) => Double::of(1.0),
             x if x < -1.0 || (x == -1.0 && self.low < 0.0) => Double::of(-1.0),
             _ => self,
+        }
+    }
+
+    fn larger(self, other: Double) -> Double {
+        match (self.high, self.low) < (other.high, other.low) {
+            true => other,
+            false => self,
         }
     }
 

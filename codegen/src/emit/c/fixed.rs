@@ -130,6 +130,7 @@ impl Spelling<'_, '_> {
             Expr::Neg(a) => (format!("-{}", self.operand(a)), Strength::Sign),
             Expr::Add(a, b) => self.sum(id, [a, b], Helper::Add),
             Expr::Sub(a, b) => self.sum(id, [a, b], Helper::Subtract),
+            Expr::Max(a, b) => self.sum(id, [a, b], Helper::Larger),
             Expr::Mul(..) => {
                 let value = self.wide(id).unwrap_or_else(|| self.product(id));
                 (value, Strength::Atom)

@@ -308,6 +308,14 @@ impl Spelling<'_, '_> {
                     Strength::Atom,
                 )
             }
+            Expr::Max(a, b) => {
+                let (helper, a, b) = match self.is_lanes(id) {
+                    true => (Helper::LargerLanes, self.spread(a), self.spread(b)),
+                    false => (Helper::Larger, at(a, Strength::Sum), at(b, Strength::Sum)),
+                };
+                let call = self.calls.call(helper, &format!("{a}, {b}"));
+                (call, Strength::Atom)
+            }
             Expr::Clamp(a) => {
                 let call = self.calls.call(Helper::Clamp, &at(a, Strength::Sum));
                 (call, Strength::Atom)

@@ -27,6 +27,9 @@ pub(super) enum Helper {
     /// Into [-1, 1]; for effects alone, as is `Power`, which fixed point lacks.
     Clamp,
     Power,
+    /// The larger of two, and in every lane.
+    Larger,
+    LargerLanes,
     /// Numbers of a block of postures from an array, and back.
     Load,
     Store,
@@ -57,6 +60,8 @@ impl Helper {
             Helper::Subtract => "subtract",
             Helper::Clamp => "clamp",
             Helper::Power => "power",
+            Helper::Larger => "larger",
+            Helper::LargerLanes => "larger_lanes",
             Helper::Load => "load",
             Helper::Store => "store",
             Helper::Splat => "splat",
@@ -130,6 +135,8 @@ impl<'n> Calls<'n> {
             has_subtract => has(Helper::Subtract),
             has_clamp => has(Helper::Clamp),
             has_power => has(Helper::Power),
+            has_larger => has(Helper::Larger),
+            has_larger_lanes => has(Helper::LargerLanes),
             has_load => has(Helper::Load),
             has_store => has(Helper::Store),
             has_splat => has(Helper::Splat),

@@ -189,6 +189,11 @@ impl<'p> Body<'p> {
                 let b = self.operand(b, inner, Strength::Sum);
                 (quote!(#a.power(#b)), Strength::Atom)
             }
+            Expr::Max(a, b) => {
+                let a = self.operand(a, inner, Strength::Atom);
+                let b = self.operand(b, inner, Strength::Sum);
+                (quote!(#a.larger(#b)), Strength::Atom)
+            }
             Expr::Sin(a) => {
                 let a = self.operand(a, inner, Strength::Atom);
                 (quote!(#a.sin_cos().0), Strength::Atom)

@@ -78,6 +78,11 @@ macro_rules! fused {
             }
 
             #[inline(always)]
+            fn larger(self, other: Self) -> Self {
+                Self(self.0.larger(other.0))
+            }
+
+            #[inline(always)]
             fn power(self, exponent: Self) -> Self {
                 Self(self.0.power(exponent.0))
             }

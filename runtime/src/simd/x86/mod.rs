@@ -161,6 +161,13 @@ macro_rules! register {
             }
 
             #[inline(always)]
+            fn larger(self, other: Self) -> Self {
+                // Of two operands the second is the answer where neither is larger.
+                // SAFETY: see the head of this module.
+                Self(unsafe { $max(other.0, self.0) })
+            }
+
+            #[inline(always)]
             fn power(self, exponent: Self) -> Self {
                 let (mut array, exponents) = (self.array(), exponent.array());
                 for (x, exponent) in array.iter_mut().zip(&exponents) {

@@ -44,6 +44,14 @@
 {%- if has_clamp %}
 {% include clamp %}
 {% endif %}
+{%- if has_larger %}
+
+/* The larger of two numbers, the first where neither is. */
+static {{ real }} {{ name }}_larger({{ real }} x, {{ real }} y)
+{
+    return (x < y) ? y : x;
+}
+{% endif %}
 {%- if has_power %}
 {% include power %}
 {% endif %}

@@ -87,6 +87,16 @@ static {{ name }}_lanes {{ name }}_clamp_lanes({{ name }}_lanes x)
     return ({{ name }}_lanes)held;
 }
 {%- endif %}
+{%- if has_larger_lanes %}
+
+/* The larger of two numbers in every lane, the first where neither is. */
+static {{ name }}_lanes {{ name }}_larger_lanes({{ name }}_lanes x, {{ name }}_lanes y)
+{
+    const {{ name }}_lane_bits below = ({{ name }}_lane_bits)(x < y);
+    const {{ name }}_lane_bits larger = (({{ name }}_lane_bits)x & ~below) | (({{ name }}_lane_bits)y & below);
+    return ({{ name }}_lanes)larger;
+}
+{%- endif %}
 {%- if has_power_lanes %}
 
 static {{ name }}_lanes {{ name }}_power_lanes({{ name }}_lanes x, {{ name }}_lanes y)
