@@ -44,6 +44,8 @@ pub struct Facts<'m> {
     pub encoders: Vec<EncoderMap>,
     /// What generated functions must give.
     pub self_test: SelfTest<'m>,
+    /// What the effects depend on beside q and r, with its usual value.
+    pub context: Vec<(String, f64)>,
     /// The functions that an effect acts on.
     pub affected: Vec<Function>,
     /// Functions that were not asked for.
@@ -83,6 +85,8 @@ pub struct Effect<'m> {
     pub name: &'static str,
     /// What it acts on, unless that is the whole robot.
     pub target: Option<&'m str>,
+    /// What it adds, of an effect that a formula makes.
+    pub function: Option<&'m str>,
     /// `name = value` of each parameter.
     pub values: Vec<String>,
     /// Whether one posture shows it: it is part of `cop`.
@@ -154,6 +158,7 @@ impl Facts<'_> {
             effects: effects(model),
             encoders: model.encoders(),
             self_test: SelfTest::of(model),
+            context: context(model),
             affected: affected(model),
             routines: routines(model, &functions),
             left_out,
@@ -214,6 +219,14 @@ fn standard_deviations(file: &ModelFile) -> Option<Vec<f64>> {
     known.then(|| std.map(|std| std.unwrap_or(f64::INFINITY)).collect())
 }
 
+fn context(model: &Model) -> Vec<(String, f64)> {
+    let about = model.about_beyond().into_iter();
+    let pairs = model.beyond().into_iter().zip(about);
+    pairs
+        .map(|(variable, (_, usual))| (variable.to_string(), usual))
+        .collect()
+}
+
 fn affected(model: &Model) -> Vec<Function> {
     let acted_on = |function: &Function| !model.effects_of(*function).is_empty();
     Function::ALL.into_iter().filter(acted_on).collect()
@@ -234,6 +247,7 @@ fn effect<'m>(record: &'m EffectRecord, instance: &Instance) -> Effect<'m> {
     Effect {
         name: effect.id().name(),
         target: (record.target != "-").then_some(record.target.as_str()),
+        function: record.function.as_deref(),
         values: values
             .map(|(name, x)| format!("{name} = {}", x.value))
             .collect(),

@@ -1,7 +1,7 @@
 //! The functions of a robot as programs, made once for every language.
 
 use sesc_model::bounds::{self, Bound, Input, Precision};
-use sesc_model::expr::Expr;
+use sesc_model::expr::{Argument, Expr};
 use sesc_model::program::Program;
 use sesc_model::{Function, Given, Model};
 
@@ -25,6 +25,12 @@ impl Routine {
     pub fn rounding(&self, precision: Precision) -> Bound {
         bounds::prove(&self.program, &self.inputs, precision)
     }
+}
+
+/// Whether a program takes what effects depend on beside q and r.
+pub(crate) fn takes_context(program: &Program) -> bool {
+    let mut inputs = program.inputs.iter();
+    inputs.any(|array| array.argument == Argument::Context)
 }
 
 /// The first function with a constant that is no number, or larger than `most`: what the

@@ -429,6 +429,7 @@ fn hidden(context: &EffectContext, robot_kg: f64, text: &str) -> Result<EffectRe
         effect: effect.to_string(),
         target: target.to_string(),
         parameters: BTreeMap::new(),
+        ..EffectRecord::default()
     };
     // What is wrong with the name or the target, the model file will say.
     let known = context.catalog.named(effect);

@@ -319,6 +319,8 @@ pub enum Extent {
     BaseParams,
     /// Parameters of the full chain.
     FullParams,
+    /// What effects depend on beside positions and parameters: time, approach, columns of a log.
+    Context,
 }
 
 impl Extent {
@@ -334,7 +336,8 @@ impl Extent {
             Argument::Parameters => Extent::BaseParams,
             Argument::Direction => Extent::Fixed(3),
             Argument::Reading | Argument::Free => Extent::Fixed(2),
-            Argument::Unknowns | Argument::Context => Extent::Fixed(0),
+            Argument::Context => Extent::Context,
+            Argument::Unknowns => Extent::Fixed(0),
         }
     }
 
@@ -345,6 +348,8 @@ impl Extent {
             Extent::Dof => robot.dof(),
             Extent::BaseParams => robot.base.params.len(),
             Extent::FullParams => robot.chain.full_params,
+            // Effects have one, robots none.
+            Extent::Context => 0,
         }
     }
 }

@@ -14,7 +14,7 @@
 //!
 //! ```text
 //! urdf → tree → chain → frames → base → robot → inertia            kinematics: no file, no effect
-//! expr → program → bounds | wide → tape                            straight-line code
+//! expr → formula → program → bounds | wide → tape                            straight-line code
 //! interface → functions → measurement → effects → model            what is computed
 //! ```
 //!
@@ -69,6 +69,8 @@ mod error;
 pub mod expr;
 #[doc(hidden)]
 pub mod files;
+#[doc(hidden)]
+pub mod formula;
 #[doc(hidden)]
 pub mod frames;
 mod functions;

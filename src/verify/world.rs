@@ -13,7 +13,8 @@
 //!
 //! Beside dead bands the virtual robot settles until it rests, and so much is allowed for.
 
-use sesc_model::effects::{Catalog, EffectContext, Instance, Stage, Target};
+use sesc_model::effects::{Catalog, Composed, EffectContext, Instance, Site, Stage, Target};
+use sesc_model::formula::Variable;
 use sesc_model::{Function, Model};
 use sesc_reference::{ErrorKind, GRAVITY, Place, Reference, World};
 
@@ -29,6 +30,8 @@ pub(super) const DIFFERENCES: f64 = 2e-9;
 const STEP: f64 = 1e-4;
 /// What those leave in the ZMP, relative to the square of its reach.
 const ACCELERATIONS: f64 = 1e-7;
+/// What rounds of bending leave out of the CoM of a model that is read, m.
+const MOST_LEFT_OUT_M: f64 = 1e-3;
 /// Between the postures that joint accelerations are taken from, s.
 const INTERVAL_S: f64 = 0.02;
 
@@ -65,7 +68,7 @@ impl Bent {
         let support = &model.tree.links[model.tree.support].name;
         let records = Record::all(model);
         let has = |is: &dyn Fn(&Record) -> bool| records.iter().any(is);
-        let in_rounds = has(&|r| r.is_spring()) && !has(&|r| r.is_dead_band());
+        let in_rounds = has(&|r| r.yields()) && !has(&|r| r.is_dead_band());
         let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
         let of_cells = has(&|r| r.instance.effect.stage() == Stage::Cells);
         let world = |acts: &dyn Fn(&Record) -> bool, cells: &[[f64; 2]]| {
@@ -251,6 +254,11 @@ impl Record<'_> {
         self.instance.effect.is_spring()
     }
 
+    /// Whether its joint follows moments, in rounds.
+    fn yields(&self) -> bool {
+        self.instance.effect.stage() == Stage::Bends && !self.is_dead_band()
+    }
+
     fn is_dead_band(&self) -> bool {
         self.instance.effect.dead_band().is_some()
     }
@@ -281,7 +289,13 @@ fn left_out(model: &Model, records: &[Record], weight: f64) -> f64 {
             (sum + x, most.max(*x))
         });
     let softness = weight * model.reach() * sum.min(3.0 * most);
-    model.reach() * softness.powi(model.rounds as i32 + 1)
+    let springs = model.reach() * softness.powi(model.rounds as i32 + 1);
+    // Functions of moments: what a model file may leave out.
+    let of_functions = |r: &Record| r.yields() && !r.is_spring();
+    match records.iter().any(of_functions) {
+        true => springs + MOST_LEFT_OUT_M,
+        false => springs,
+    }
 }
 
 /// How far beyond rounding the model may be from the virtual robot, in the unit of
@@ -325,6 +339,11 @@ pub fn with_effect(
     instance: &Instance,
     values: &[f64],
 ) -> Result<World, Error> {
+    if let Some(composed) = instance.effect.composed()
+        && let Some(bent) = with_function(&world, robot, composed, instance, values)
+    {
+        return Ok(bent?);
+    }
     let name = instance.effect.id().name();
     let known = place(robot, &instance.target).map(|place| world.named(name, place, values));
     match known {
@@ -336,6 +355,67 @@ pub fn with_effect(
             "the virtual robot has no effect `{name}` to compare with; verify the model without it"
         ))),
     }
+}
+
+/// The same of an effect that is made of a site and a function: the virtual robot is told the
+/// function's values. None where it has no such site.
+fn with_function(
+    world: &World,
+    robot: &sesc_model::Robot,
+    composed: &'static Composed,
+    instance: &Instance,
+    values: &[f64],
+) -> Option<Result<World, sesc_reference::Error>> {
+    let (world, values) = (world.clone(), values.to_vec());
+    let names: Vec<String> = robot
+        .tree
+        .dofs
+        .iter()
+        .map(|dof| dof.joint.clone())
+        .collect();
+    let own = match instance.target {
+        Target::Joint(joint) => joint,
+        _ => 0,
+    };
+    let place = move |name: &Option<String>| match name {
+        Some(name) => names.iter().position(|known| known == name).unwrap_or(0),
+        None => own,
+    };
+    let usual = |variable: &Variable| composed.about(variable).1;
+    let axis = usize::from(instance.target == Target::Way("y"));
+    let (definition, target) = (composed.definition(), &instance.target);
+    Some(match (definition.site, target) {
+        (Site::Joint, Target::Joint(joint)) => {
+            world.joint_function(&robot.tree.dofs[*joint].joint, move |q, moments| {
+                composed.value(&values, &|variable| match variable {
+                    Variable::Position(name) => q[place(name)],
+                    Variable::Moment(name) => moments[place(name)],
+                    other => usual(other),
+                })
+            })
+        }
+        (Site::Sensor, _) => Ok(world.sensor_function(axis, move |reading| {
+            composed.value(&values, &|variable| match variable {
+                Variable::Reading(axis) => reading[*axis],
+                other => usual(other),
+            })
+        })),
+        (Site::Ground, _) => Ok(world.ground_error(axis, composed.value(&values, &usual))),
+        (Site::Load, Target::Link(link)) => {
+            let link = &robot.tree.links[*link];
+            let at = definition.at.unwrap_or(link.com());
+            world.payload(&link.name, composed.value(&values, &usual), at)
+        }
+        (Site::Cell, Target::Cell(cell)) => {
+            let variables = definition.function.variables();
+            let reads = |variable: &Variable| matches!(variable, Variable::Reading(_));
+            if variables.iter().any(reads) {
+                return None;
+            }
+            world.cell_offset(cell + 1, composed.value(&values, &usual))
+        }
+        _ => return None,
+    })
 }
 
 /// A target as the reference names it.

@@ -27,6 +27,7 @@ fn effect(name: &str, target: &str, values: &[(&str, f64)]) -> EffectRecord {
         effect: name.to_string(),
         target: target.to_string(),
         parameters: values.iter().map(quantity).collect::<BTreeMap<_, _>>(),
+        ..EffectRecord::default()
     }
 }
 

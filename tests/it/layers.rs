@@ -16,7 +16,7 @@ const ROOMS: [(&str, &str); 5] = [
     (
         "model",
         "text spelling hash stamp urdf error files snap names tree chain frames numeric \
-         base robot standard inertia expr program bounds wide tape interface functions \
+         base robot standard inertia expr formula program bounds wide tape interface functions \
          measurement effects model",
     ),
     ("codegen", "error routines facts seen emit sources builder"),

@@ -93,6 +93,18 @@ pub fn about(facts: &Facts) -> Vec<String> {
         ));
     }
     lines.extend(facts.effects.iter().map(effect));
+    if !facts.context.is_empty() {
+        let usual = facts.context.iter();
+        let usual: Vec<String> = usual.map(|(name, x)| format!("{name} = {x:?}")).collect();
+        lines.extend(titled(
+            "context",
+            &printable(&format!(
+                "{} in every function but model_com and model_cop, which take an array of them in \
+                 this order",
+                usual.join(", ")
+            )),
+        ));
+    }
     for zero in facts.encoder_zeros() {
         lines.extend(titled(
             "encoder",
@@ -161,6 +173,9 @@ fn effect(effect: &Effect) -> String {
         text += " (only a log shows it)";
     } else if !effect.values.is_empty() {
         text += &format!(": {}", effect.values.join(", "));
+    }
+    if let Some(function) = effect.function {
+        text += &format!("; adds {}", printable(function));
     }
     format!("{title:<14} {text}")
 }
@@ -253,9 +268,11 @@ pub fn lines(facts: &Facts, routines: &[&Routine]) -> Vec<String> {
         let seen = seen::largest(facts, routine, bounds[1]);
         is_seen |= seen.is_some();
         correction_is_proven &= routine.function != Function::CorrectCop || bounds[0].is_finite();
+        let model = if routine.baked { "model_" } else { "" };
+        let name = function_name(routine.function, routine.given);
         lines.push(format!(
             "{:<20} {:>7} {:>7} {:>9}   {} (f64)  {} (f32){}",
-            function_name(routine.function, routine.given),
+            format!("{model}{name}"),
             counts.mul,
             counts.add,
             counts.sin_cos,

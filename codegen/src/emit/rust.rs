@@ -28,7 +28,7 @@ use crate::Error;
 use crate::emit::names;
 use crate::error::Problem;
 use crate::facts::Facts;
-use crate::routines::{Routine, beyond};
+use crate::routines::{Routine, beyond, takes_context};
 use body::Body;
 use printed::Notes;
 use sesc_model::expr::Argument;
@@ -64,6 +64,7 @@ pub fn module(facts: &Facts, name: &str) -> Result<String, Error> {
     let constants = constants::items(facts, &mut notes);
     let struct_ = unit_struct(facts, &unit);
     let robot = Robot::new(facts, unit, &routines, &mut notes);
+    let in_context = in_context(facts, &mut notes);
     let (uses, functions, impls) = (robot.uses(), robot.functions(), robot.impls());
     let interface = Literal::usize_unsuffixed(INTERFACE);
     let items = quote! {
@@ -72,9 +73,12 @@ pub fn module(facts: &Facts, name: &str) -> Result<String, Error> {
         #constants
         #struct_
         #functions
+        #in_context
         #impls
     };
-    let mut about = header::lines(facts, &routines);
+    let rows = facts.routines.iter();
+    let rows: Vec<&Routine> = rows.filter(|r| !r.baked || is_in_context(r)).collect();
+    let mut about = header::lines(facts, &rows);
     about.push(String::new());
     about.push(
         "method         statically equivalent serial chain (SESC); equations as numbered in".into(),
@@ -252,6 +256,58 @@ impl Method {
             Some(_) => format_ident!("{name}_into"),
             None => format_ident!("{name}"),
         }
+    }
+}
+
+/// Whether a function of constant parameters takes a context: those alone are part of a module.
+fn is_in_context(routine: &Routine) -> bool {
+    routine.given == Given::Positions && takes_context(&routine.program)
+}
+
+/// `model_com` and `model_cop`, where effects depend on more than q.
+fn in_context(facts: &Facts, notes: &mut Notes) -> TokenStream {
+    let (allow, allow_names) = (allow_unused(), allow_names());
+    let functions: Vec<TokenStream> = facts
+        .routines
+        .iter()
+        .filter(|routine| is_in_context(routine))
+        .map(|routine| {
+            let listing = Listing::new(&routine.program, Results::AtTheEnd);
+            let (parameters, _) = signature(
+                &[Argument::Positions, Argument::Context],
+                |argument| match listing.reads(argument) {
+                    true => argument.name().to_string(),
+                    false => format!("_{}", argument.name()),
+                },
+            );
+            let result = result(routine.function, routine.given);
+            let body = Body::new(listing, None, None).statements(notes);
+            let name = format_ident!("model_{}", routine.function.name());
+            let doc = documentation(facts, routine.function, routine.given);
+            let doc = doc.lines();
+            quote! {
+                #(#[doc = #doc])*
+                ///
+                /// With the parameters of the model file, and what its effects depend on beside `q` in
+                /// the order of `CONTEXT_NAMES`.
+                #allow_names
+                pub fn #name<T: Real>(#parameters) -> #result { #body }
+            }
+        })
+        .collect();
+    if functions.is_empty() {
+        return quote!();
+    }
+    let count = Literal::usize_unsuffixed(facts.context.len());
+    let names = facts.context.iter().map(|(name, _)| name);
+    quote! {
+        /// Number of what effects depend on beside `q` and `r`.
+        #allow
+        pub const CONTEXT: usize = #count;
+        /// Time (s), side of approach (−1 to 1), columns of a log.
+        #allow
+        pub const CONTEXT_NAMES: [&str; CONTEXT] = [#(#names),*];
+        #(#functions)*
     }
 }
 

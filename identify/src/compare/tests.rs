@@ -59,6 +59,7 @@ fn with_effect(mut file: ModelFile, target: &str, values: &[(&str, f64, f64)]) -
         effect: "joint_offset".into(),
         target: target.into(),
         parameters: values.collect::<BTreeMap<_, _>>(),
+        ..EffectRecord::default()
     });
     file
 }

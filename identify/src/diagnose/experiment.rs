@@ -132,7 +132,10 @@ impl<'a, 'm> Trial<'a, 'm> {
         let carried = |fit: &Fit| -> f64 {
             let shares = with_places(&fit.terms, context).map(|(term, own)| {
                 let own = &fit.unknowns[own];
-                let share = term.effect().map_or(0.0, |i| i.effect.load_share(own));
+                let mass = context.mass();
+                let share = term
+                    .effect()
+                    .map_or(0.0, |i| i.effect.load_share(own, mass));
                 context.mass() * share / (1.0 - share)
             });
             shares.sum()

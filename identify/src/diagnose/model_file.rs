@@ -17,8 +17,10 @@
 //! the file falls, and what the file of the best leaves is what is stated.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
-use sesc_model::effects::{Catalog, Stage};
+use sesc_model::effects::{Catalog, Instance, Stage, Target};
+use sesc_model::formula::Variable;
 use sesc_model::{EffectRecord, ModelFile, Quantity};
 
 use super::criteria::{
@@ -86,12 +88,35 @@ fn put_effects(problem: &Problem, best: &Fit, file: &mut ModelFile) {
             let value = own.value;
             (name.to_string(), Quantity { value, std })
         });
-        file.effects.push(EffectRecord {
-            effect: term.name().to_string(),
-            target: problem.context().name_of(&instance.target),
-            parameters: parameters.collect(),
-        });
+        let target = problem.context().name_of(&instance.target);
+        let mut record = EffectRecord::new(instance.effect, target, parameters.collect());
+        record.range = ranges(problem, instance);
+        file.effects.push(record);
     }
+}
+
+/// What the log had of the variables of a function, outside of which it says nothing of it.
+fn ranges(problem: &Problem, instance: &Instance) -> BTreeMap<String, [f64; 2]> {
+    let (data, dofs) = (problem.data(), &problem.context().robot.tree.dofs);
+    let column = |values: &[f64], width: usize, k: usize| {
+        let values = || values.iter().skip(k).step_by(width);
+        let least = values().copied().fold(f64::INFINITY, f64::min);
+        let most = values().copied().fold(f64::NEG_INFINITY, f64::max);
+        (least <= most).then_some([least, most])
+    };
+    let composed = instance.effect.composed().into_iter();
+    let variables = composed.flat_map(|own| own.definition().function.variables());
+    let range = |variable: &Variable| match (variable, &instance.target) {
+        (Variable::Position(None), Target::Joint(joint)) => column(&data.q, dofs.len(), *joint),
+        (Variable::Position(Some(name)), _) => {
+            let joint = dofs.iter().position(|dof| dof.joint == *name)?;
+            column(&data.q, dofs.len(), joint)
+        }
+        (Variable::Reading(axis), _) => column(&data.reading, 2, *axis),
+        _ => None,
+    };
+    let ranges = variables.filter_map(|variable| Some((variable.to_string(), range(&variable)?)));
+    ranges.collect()
 }
 
 /// Compare what is stated of an explanation with what its `file` predicts of the log, and
@@ -102,7 +127,9 @@ fn put_effects(problem: &Problem, best: &Fit, file: &mut ModelFile) {
 pub(super) fn on_log(problem: &Problem, best: &Fit, file: &ModelFile) -> Result<ModelOnLog, Error> {
     // Effects of a caller's own are no part of files.
     let standard = Catalog::standard();
-    let is_known = |record: &EffectRecord| standard.named(&record.effect).is_some();
+    let is_known = |record: &EffectRecord| {
+        record.function.is_some() || standard.named(&record.effect).is_some()
+    };
     if file.effects.iter().all(is_known) {
         problem.first().model.clone().with_file(file.clone())?;
     }

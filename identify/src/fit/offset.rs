@@ -78,6 +78,7 @@ impl Offset {
             effect: OFFSET.to_string(),
             target: "-".to_string(),
             parameters: [0, 1].map(|k| (names[k].to_string(), quantity(k))).into(),
+            ..EffectRecord::default()
         }
     }
 }

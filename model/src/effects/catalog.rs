@@ -6,23 +6,32 @@ use super::Effect;
 
 /// Which effect it is.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct EffectId(&'static str);
+pub struct EffectId {
+    name: &'static str,
+    /// Of one that is made of a site and a function: which function.
+    function: &'static str,
+}
 
 impl EffectId {
     /// The identity of the effect that is called `name` in reports and model files.
     pub const fn new(name: &'static str) -> EffectId {
-        EffectId(name)
+        EffectId { name, function: "" }
+    }
+
+    /// The same name with a function: two functions at one place are two effects.
+    pub(super) const fn of(name: &'static str, function: &'static str) -> EffectId {
+        EffectId { name, function }
     }
 
     /// Name in reports and model files: `joint_offset`.
     pub const fn name(self) -> &'static str {
-        self.0
+        self.name
     }
 }
 
 impl fmt::Debug for EffectId {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(self.0)
+        f.write_str(self.name)
     }
 }
 

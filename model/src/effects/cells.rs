@@ -62,7 +62,11 @@ fn ramp(at: &mut Measured, x: Id) -> Id {
 /// ```text
 /// y = (p + Σ Δ_k p_k) / (1 + Σ Δ_k)        Δ_k = f'_k − f_k of the cells that are wrong
 /// ```
-fn read_with(target: &Target, at: &mut Measured, wrong: impl Fn(&mut Measured, Id) -> Id) {
+pub(super) fn read_with(
+    target: &Target,
+    at: &mut Measured,
+    wrong: impl Fn(&mut Measured, Id) -> Id,
+) {
     let Target::Cell(faulty) = *target else {
         return;
     };

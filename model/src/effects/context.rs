@@ -56,6 +56,9 @@ pub struct EffectContext<'m> {
     /// Whether readings are compared with the ZMP, so that loads are accelerated with their
     /// links.
     pub moving: bool,
+    /// Whether effects are fitted to the log: time, approach and further columns are no inputs of
+    /// fits.
+    pub(super) is_fitted: bool,
     /// Rounds in which joints give way.
     pub rounds: usize,
     /// The effects that are known.
@@ -86,11 +89,18 @@ impl<'m> EffectContext<'m> {
             cells: cells.to_vec(),
             times,
             moving: false,
+            is_fitted: false,
             rounds: ROUNDS,
             catalog,
             links: robot.chain.bodies.iter().filter_map(heaviest).collect(),
             reach: robot.reach(),
         }
+    }
+
+    /// The same where effects are fitted to the log.
+    pub fn fitted(mut self) -> EffectContext<'m> {
+        self.is_fitted = true;
+        self
     }
 
     /// A link of each body.

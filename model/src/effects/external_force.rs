@@ -48,7 +48,7 @@ impl Effect for ExternalForce {
         false
     }
 
-    fn load_share(&self, unknowns: &[f64]) -> f64 {
+    fn load_share(&self, unknowns: &[f64], _: f64) -> f64 {
         unknowns[2]
     }
 

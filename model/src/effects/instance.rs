@@ -155,11 +155,21 @@ pub(crate) fn apply_before_sensor(
     instances: &[Instance],
     unknowns: &[Id],
 ) {
+    apply_to_body(measured, context, instances, unknowns);
+    measured.bend(context.rounds);
+}
+
+/// The same before any joint gives way.
+pub(crate) fn apply_to_body(
+    measured: &mut Measured,
+    context: &EffectContext,
+    instances: &[Instance],
+    unknowns: &[Id],
+) {
     let [before, _] = by_stage(context, instances, unknowns);
     for (instance, own) in before {
         instance.effect.rewrite(&instance.target, measured, own);
     }
-    measured.bend(context.rounds);
 }
 
 /// The sensor's part of [`apply`], from a CoP in [`Measured::reading`].

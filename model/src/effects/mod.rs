@@ -8,7 +8,8 @@
 //! unknowns e as expressions; derivatives, fits, Rust and C follow from that one
 //! text, and so does the inverse of a sensor. Whatever else is known of an effect
 //! (its sentence, bounds, load, edit of a URDF, behaviour in an experiment) is a
-//! method of [`Effect`]: a new effect is one file and one line in `standard.rs`.
+//! method of [`Effect`]: a new effect is one file and one line in `standard.rs`, or a site and a
+//! formula in a file of the user's ([`Composed`]).
 
 /// Name, stage and page of an effect of this crate, and what of an [`EffectContext`] it acts on.
 macro_rules! kind {
@@ -36,6 +37,7 @@ mod axes;
 mod backlash;
 mod catalog;
 mod cells;
+mod composed;
 mod context;
 mod experiment;
 mod external_force;
@@ -46,6 +48,7 @@ mod joint_offset;
 mod joint_scale;
 mod joint_sign;
 mod joint_swap;
+mod own;
 mod parameter;
 mod payload;
 pub mod plausible;
@@ -64,10 +67,11 @@ pub use crate::measurement::foot::rectangle as foot_rectangle;
 pub use crate::measurement::{ContextSource, Measured, PostureContext, ROUNDS};
 use crate::urdf::{Load, Shift};
 pub use catalog::{Catalog, EffectId};
+pub use composed::{Composed, Constant, Definition, NO_UNIT, Site};
 pub use context::{EffectContext, Target};
 pub use experiment::{Carry, Experiment};
 pub use instance::{Instance, instances};
-pub(crate) use instance::{apply, apply_before_sensor, reading_slopes, sense, undo};
+pub(crate) use instance::{apply, apply_before_sensor, apply_to_body, reading_slopes, sense, undo};
 pub use parameter::{Fitted, Parameter, Unit, Value};
 pub use payload::known_weight;
 pub use programs::{
@@ -240,8 +244,14 @@ pub trait Effect: Sync {
         true
     }
 
-    /// Share of the weight on the ground that it adds; a sum of raw cells shows it.
-    fn load_share(&self, _unknowns: &[f64]) -> f64 {
+    /// Site and function, of an effect that is made of these.
+    fn composed(&self) -> Option<&Composed> {
+        None
+    }
+
+    /// Share of the weight on the ground that it adds to a robot of `robot_kg`; a sum of raw cells
+    /// shows it.
+    fn load_share(&self, _unknowns: &[f64], _robot_kg: f64) -> f64 {
         0.0
     }
 

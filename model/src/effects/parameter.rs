@@ -23,6 +23,8 @@ pub enum Unit {
     Second,
     /// The stiffness of a joint.
     NewtonMetrePerRadian,
+    /// Another one, by its symbol: of a parameter of a formula.
+    Other(&'static str),
 }
 
 impl Unit {
@@ -55,6 +57,13 @@ impl Unit {
         Unit::One
     }
 
+    /// The unit of this symbol.
+    pub fn by_symbol(symbol: &'static str) -> Unit {
+        let named = Unit::NAMED.into_iter().chain([Unit::One]);
+        let known = |unit: &Unit| unit.symbol() == symbol;
+        named.into_iter().find(known).unwrap_or(Unit::Other(symbol))
+    }
+
     /// The parameter that files call `name` without its unit: `force x` of `force_x_n`.
     pub fn stem(name: &str) -> String {
         let ending = Unit::of(name).ending();
@@ -64,7 +73,7 @@ impl Unit {
     /// What names of parameters with this unit end in: `_rad`.
     const fn ending(self) -> &'static str {
         match self {
-            Unit::One => "",
+            Unit::One | Unit::Other(_) => "",
             Unit::Radian => "_rad",
             Unit::Metre => "_m",
             Unit::Kilogram => "_kg",
@@ -84,6 +93,7 @@ impl Unit {
             Unit::Newton => "N",
             Unit::Second => "s",
             Unit::NewtonMetrePerRadian => "Nm/rad",
+            Unit::Other(symbol) => symbol,
         }
     }
 
@@ -96,7 +106,7 @@ impl Unit {
             Unit::Metre => (1e3, "mm"),
             Unit::Kilogram => (1e3, "g"),
             Unit::Second => (1e3, "ms"),
-            Unit::Newton | Unit::NewtonMetrePerRadian => (1.0, self.symbol()),
+            Unit::Newton | Unit::NewtonMetrePerRadian | Unit::Other(_) => (1.0, self.symbol()),
         }
     }
 
@@ -111,6 +121,7 @@ impl Unit {
             Unit::Newton => &[("N", 1.0)],
             Unit::Second => &[("ms", 1e-3), ("s", 1.0)],
             Unit::NewtonMetrePerRadian => &[("Nm/rad", 1.0)],
+            Unit::Other(_) => &[],
         }
     }
 }

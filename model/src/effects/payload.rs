@@ -67,7 +67,7 @@ impl Effect for Payload {
         }
     }
 
-    fn load_share(&self, unknowns: &[f64]) -> f64 {
+    fn load_share(&self, unknowns: &[f64], _: f64) -> f64 {
         unknowns[0]
     }
 

@@ -22,7 +22,8 @@ pub enum Argument {
     Reading,
     /// Unknowns of effects.
     Unknowns,
-    /// The context of a posture of a log, beside its joint positions.
+    /// The context of a posture, beside its joint positions: of one of a log, or what effects of
+    /// generated code depend on.
     Context,
     /// What an expression is solved for; never the input of a program.
     Free,
@@ -41,7 +42,7 @@ impl Argument {
             Argument::Direction => "along",
             Argument::Reading => "reading",
             Argument::Unknowns => "e",
-            Argument::Context => "u",
+            Argument::Context => "context",
             Argument::Free => "x",
         }
     }

@@ -1,15 +1,15 @@
 //! Joints that give way to gravity, and how far they follow when the encoders move.
 //!
 //! ```text
-//! φ⁰ = φ        φᵏ⁺¹ = φ + C τ(φᵏ) + slack        C = diag(compliance), τ = ∂(d·c)/∂φ
+//! φ⁰ = φ        φᵏ⁺¹ = φ + f(q, τ(φᵏ)) + slack        τ = ∂(d·c)/∂φ;  of a spring f = κ τ
 //! ```
 //!
 //! with gravity's direction `d`. The slack of a dead band stays where it is while the sign
-//! of its moment does, so with the symmetric Hessian `H = ∂τ/∂φ` and rates `φ̇` of the
-//! joints as their encoders have them
+//! of its moment does, so with the symmetric Hessian `H = ∂τ/∂φ`, `C = ∂f/∂τ`, `D = ∂f/∂q` and
+//! rates `φ̇` of the joints as their encoders have them (`q̇`)
 //!
 //! ```text
-//! φ̇ᵏ⁺¹ = φ̇ + C H(φᵏ) φ̇ᵏ        λᵏ = H(φᵏ) C λᵏ⁺¹,  λ̇ᵀφ̇ = Σ_k λᵏ · φ̇
+//! φ̇ᵏ⁺¹ = φ̇ + D q̇ + C H(φᵏ) φ̇ᵏ        λᵏ = H(φᵏ) Cᵀ λᵏ⁺¹,  λ̇ᵀφ̇ = Σ_k (λᵏ · φ̇ + Dᵀ λᵏ⁺¹ · q̇)
 //! ```
 //!
 //! forward for a velocity, backward for a row λ of a Jacobian: one pass over the chain a
@@ -20,7 +20,8 @@ use std::collections::{HashMap, HashSet};
 use super::{ContextSource, Measured, PostureContext};
 use crate::expr::{Argument, Expr, Id};
 use crate::functions::{Direction, Wanted};
-use crate::program::operands;
+use crate::inertia::GRAVITY;
+use crate::program::{Array, Program, Shape, operands};
 
 /// Rounds of `φ' = φ + bend(τ(φ'))`: each adds a factor of (gravity stiffness /
 /// joint stiffness), 0.2 and less in joints that can carry the robot; a model file with softer
@@ -30,20 +31,48 @@ pub const ROUNDS: usize = 4;
 /// no scalar rounds it; no larger, so that 32 bits hold the moment of a robot of 10 m.
 const SHARP: f64 = 134_217_728.0;
 
+/// Of [`Argument::Free`], the place of the first joint's moment: those before are solved for.
+const MOMENTS: usize = 2;
+
 /// A joint that gives way to its gravity moment.
 #[derive(Clone, Copy)]
 pub(super) enum Bend {
-    /// A joint turned by its moment times this compliance: rad per m of moment over the
-    /// nominal weight.
-    Spring(usize, Id),
+    /// A joint moved by this function of moments, which are free in it.
+    Yield(usize, Id),
     /// To one end of a dead band of half this width, rad.
     Slack(usize, Id),
 }
 
+/// What encoders read; of a prismatic joint the position stands among the sines.
+const ENCODERS: [Argument; 2] = [Argument::Positions, Argument::Sines];
+
+/// How a joint that yields follows moments and encoders: places and slopes.
+struct Response {
+    joint: usize,
+    by_moments: Vec<(usize, Id)>,
+    by_encoders: Vec<(usize, Id)>,
+}
+
 impl Measured<'_> {
-    /// The joint yields by `compliance` times its gravity moment over the weight.
+    /// The joint yields by `compliance` times its gravity moment over the nominal weight.
     pub fn spring(&mut self, joint: usize, compliance: Id) {
-        self.bends.push(Bend::Spring(joint, compliance));
+        let compliance = self.mul(self.weight, compliance);
+        let moment = self.g().input(Argument::Free, MOMENTS + joint);
+        let by = self.mul(compliance, moment);
+        self.give_way(joint, by);
+    }
+
+    /// The joint is moved by a function of [`Measured::moment`]s.
+    pub fn give_way(&mut self, joint: usize, by: Id) {
+        self.bends.push(Bend::Yield(joint, by));
+    }
+
+    /// Gravity's moment about a joint, N m: where joints give way it stands for that of each round.
+    pub fn moment(&mut self, joint: usize) -> Id {
+        let nominal = self.constant(self.robot().tree.mass * GRAVITY);
+        let weight = self.mul(nominal, self.weight);
+        let over_weight = self.g().input(Argument::Free, MOMENTS + joint);
+        self.mul(weight, over_weight)
     }
 
     /// The joint falls to an end of its dead band of half width `half`, rad.
@@ -67,13 +96,11 @@ impl Measured<'_> {
         for round in 0..rounds {
             self.rounds.push(self.joints.clone());
             let moments = self.moments(&format!("{round}"));
+            self.round_moments.push(moments.clone());
             let mut bent = straight.clone();
             for (bend, slid) in self.bends.clone().into_iter().zip(&mut slid) {
                 let (joint, by) = match bend {
-                    Bend::Spring(joint, compliance) => {
-                        let compliance = self.mul(self.weight, compliance);
-                        (joint, self.mul(compliance, moments[joint]))
-                    }
+                    Bend::Yield(joint, by) => (joint, self.with_moments(&[by], &moments)[0]),
                     Bend::Slack(joint, half) => {
                         *slid = self.slide(*slid, joint, moments[joint], rounds);
                         self.sides[joint] = Some(*slid);
@@ -83,11 +110,24 @@ impl Measured<'_> {
                 bent[joint] = self.add(bent[joint], by);
             }
             self.joints = bent;
-            let springs = self.bends.iter().any(|b| matches!(b, Bend::Spring(..)));
-            if self.source == ContextSource::Log && !springs {
+            if self.source == ContextSource::Log && !self.yields() {
                 break;
             }
         }
+    }
+
+    /// Whether any joint yields to moments, beside slack.
+    fn yields(&self) -> bool {
+        let mut bends = self.bends.iter();
+        bends.any(|bend| matches!(bend, Bend::Yield(..)))
+    }
+
+    /// Expressions in which moments are free, at these moments.
+    fn with_moments(&mut self, of: &[Id], moments: &[Id]) -> Vec<Id> {
+        let free: Vec<Id> = (0..moments.len())
+            .map(|j| self.g().input(Argument::Free, MOMENTS + j))
+            .collect();
+        self.g().substitute(of, &free, moments)
     }
 
     /// How far into its band a loose joint is, −1 to 1, after one more round.
@@ -125,10 +165,14 @@ impl Measured<'_> {
         let mut rates = straight.clone();
         for k in 0..self.spring_rounds() {
             let moving = self.moment_rates(k, &rates, "t");
-            let yielding = self.yielding(&moving);
             rates = straight.clone();
-            for (joint, by) in yielding {
-                rates[joint] = self.add(rates[joint], by);
+            for response in self.responses(k) {
+                let by_moments = response.by_moments.iter().map(|(m, c)| (*c, moving[*m]));
+                let by_encoders = response.by_encoders.iter().map(|(j, d)| (*d, encoders[*j]));
+                for (slope, rate) in by_moments.chain(by_encoders) {
+                    let by = self.mul(slope, rate);
+                    rates[response.joint] = self.add(rates[response.joint], by);
+                }
             }
         }
         rates
@@ -177,17 +221,25 @@ impl Measured<'_> {
         let zero = self.constant(0.0);
         let mut total = row.to_vec();
         let mut last = row.to_vec();
+        let mut slopes = vec![zero; row.len()];
         for k in (0..self.spring_rounds()).rev() {
             let mut rates = vec![zero; row.len()];
-            for (joint, by) in self.yielding(&last) {
-                rates[joint] = self.add(rates[joint], by);
+            for response in self.responses(k) {
+                let own = last[response.joint];
+                for (m, slope) in response.by_moments {
+                    let by = self.mul(slope, own);
+                    rates[m] = self.add(rates[m], by);
+                }
+                for (j, slope) in response.by_encoders {
+                    let by = self.mul(slope, own);
+                    slopes[j] = self.add(slopes[j], by);
+                }
             }
             last = self.moment_rates(k, &rates, tag);
             for (sum, more) in total.iter_mut().zip(&last) {
                 *sum = self.add(*sum, *more);
             }
         }
-        let mut slopes = vec![zero; row.len()];
         for (j, column) in self.encoder_columns() {
             for (joint, slope) in column {
                 let term = self.mul(slope, total[joint]);
@@ -199,20 +251,81 @@ impl Measured<'_> {
 
     /// Rounds that a change of the encoders passes through: none where nothing springs.
     fn spring_rounds(&self) -> usize {
-        let springs = self.bends.iter().any(|b| matches!(b, Bend::Spring(..)));
-        if springs { self.rounds.len() } else { 0 }
+        if self.yields() { self.rounds.len() } else { 0 }
     }
 
-    /// `C x`: by how much each compliant joint yields to moments `x`.
-    fn yielding(&mut self, moments: &[Id]) -> Vec<(usize, Id)> {
-        let mut yielding = Vec::new();
+    /// `C` and `D` of round `k`, by the joints that yield.
+    fn responses(&mut self, k: usize) -> Vec<Response> {
+        let moments = self.round_moments[k].clone();
+        let free = self.free_responses();
+        let at_moments = |of: &mut Self, slopes: Vec<(usize, Id)>| -> Vec<(usize, Id)> {
+            let (places, slopes): (Vec<usize>, Vec<Id>) = slopes.into_iter().unzip();
+            let slopes = of.with_moments(&slopes, &moments);
+            places.into_iter().zip(slopes).collect()
+        };
+        let responses = free.into_iter().map(|(_, response)| Response {
+            by_moments: at_moments(self, response.by_moments),
+            by_encoders: at_moments(self, response.by_encoders),
+            ..response
+        });
+        responses.collect()
+    }
+
+    /// The same with moments free, each with what moves its joint.
+    fn free_responses(&mut self) -> Vec<(Id, Response)> {
+        let mut responses = Vec::new();
         for bend in self.bends.clone() {
-            if let Bend::Spring(joint, compliance) = bend {
-                let compliance = self.mul(self.weight, compliance);
-                yielding.push((joint, self.mul(compliance, moments[joint])));
+            let Bend::Yield(joint, by) = bend else {
+                continue;
+            };
+            let of_moments = self.inputs_of(by, &[Argument::Free]).into_iter();
+            let of_moments: Vec<(Id, usize)> = of_moments
+                .map(|(id, place)| (id, place - MOMENTS))
+                .collect();
+            let of_encoders = self.inputs_of(by, &ENCODERS);
+            // A sign stays where it is.
+            let mut slopes = |of: Vec<(Id, usize)>| -> Vec<(usize, Id)> {
+                let one = self.constant(1.0);
+                of.into_iter()
+                    .map(|(input, place)| {
+                        let rate = self.g().rates(&[by], &HashMap::from([(input, one)]));
+                        (place, rate[0])
+                    })
+                    .collect()
+            };
+            let response = Response {
+                joint,
+                by_moments: slopes(of_moments),
+                by_encoders: slopes(of_encoders),
+            };
+            responses.push((by, response));
+        }
+        responses
+    }
+
+    /// How far joints are moved by moments over the weight (m, as [`Argument::Free`]) at encoder
+    /// positions, and how much of it each moment makes: the program's outputs are the motions of
+    /// all joints, then slopes, one for each pair (joint, moment) that is given beside it.
+    pub(crate) fn yielding(mut self) -> (Program, Vec<(usize, usize)>) {
+        let dof = self.robot().dof();
+        let zero = self.constant(0.0);
+        let mut outputs = vec![zero; dof];
+        let (mut pairs, mut all) = (Vec::new(), Vec::new());
+        for (by, response) in self.free_responses() {
+            outputs[response.joint] = self.add(outputs[response.joint], by);
+            for (moment, slope) in response.by_moments {
+                pairs.push((response.joint, moment));
+                all.push(slope);
             }
         }
-        yielding
+        outputs.extend(all);
+        let inputs = vec![
+            Array::new(Argument::Positions, dof),
+            Array::new(Argument::Free, MOMENTS + dof),
+        ];
+        let shape = Shape::Vector(outputs.len());
+        let program = Program::new(self.into_graph(), inputs, shape, &outputs);
+        (program, pairs)
     }
 
     /// `H(φᵏ) ω`: how gravity's moments of round `k` change as joints move at `rates`.
@@ -241,7 +354,7 @@ impl Measured<'_> {
         let mut columns: Vec<(usize, Vec<(usize, Id)>)> =
             (0..straight.len()).map(|j| (j, Vec::new())).collect();
         for (joint, phi) in straight.into_iter().enumerate() {
-            for (input, j) in self.encoders_in(phi) {
+            for (input, j) in self.inputs_of(phi, &ENCODERS) {
                 let slope = match input == phi {
                     true => self.constant(1.0),
                     false => self.g().derivative(&[phi], input)[0],
@@ -252,18 +365,16 @@ impl Measured<'_> {
         columns
     }
 
-    /// The encoders that an expression reads, with their nodes.
-    fn encoders_in(&mut self, x: Id) -> Vec<(Id, usize)> {
+    /// The inputs of these arrays that an expression reads: nodes and places.
+    fn inputs_of(&mut self, x: Id, arrays: &[Argument]) -> Vec<(Id, usize)> {
         let (mut found, mut seen, mut stack) = (Vec::new(), HashSet::new(), vec![x]);
         while let Some(id) = stack.pop() {
             if !seen.insert(id) {
                 continue;
             }
             let expr = self.g().expr(id);
-            if let Expr::Input {
-                argument: Argument::Positions | Argument::Sines,
-                index,
-            } = expr
+            if let Expr::Input { argument, index } = expr
+                && arrays.contains(&argument)
             {
                 found.push((id, index as usize));
             }

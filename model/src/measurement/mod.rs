@@ -24,6 +24,7 @@ mod motion;
 use nalgebra::Vector3;
 
 use crate::expr::{Argument, Graph, Id};
+use crate::formula::Variable;
 use crate::functions::{Direction, Parameters, Scratch, Subtree, Wanted};
 use crate::inertia::PointMass;
 use crate::interface::Given;
@@ -85,8 +86,12 @@ pub struct Measured<'m> {
     loads: Vec<PointMass>,
     /// Joint positions before any joint gives way.
     straight: Vec<Id>,
-    /// Joint positions of each round of bending.
+    /// Joint positions of each round of bending,
     rounds: Vec<Vec<Id>>,
+    /// and gravity's moments there.
+    round_moments: Vec<Vec<Id>>,
+    /// What generated code takes beside q and r, in its order.
+    pub(crate) beyond: Vec<Variable>,
 }
 
 impl<'m> Measured<'m> {
@@ -127,6 +132,8 @@ impl<'m> Measured<'m> {
             bends: Vec::new(),
             sides: vec![None; robot.dof()],
             rounds: Vec::new(),
+            round_moments: Vec::new(),
+            beyond: Vec::new(),
         };
         if source != ContextSource::Posture {
             let at = PostureContext::of(robot);
@@ -148,6 +155,15 @@ impl<'m> Measured<'m> {
     /// Element `index` of the posture's [`PostureContext`].
     pub fn posture_context(&mut self, index: usize) -> Id {
         self.scratch.g.input(Argument::Context, index)
+    }
+
+    /// What a formula finds beside positions and readings: an input of code that takes it, else
+    /// `usual`.
+    pub(crate) fn beyond(&mut self, variable: &Variable, usual: f64) -> Id {
+        match self.beyond.iter().position(|known| known == variable) {
+            Some(place) => self.posture_context(place),
+            None => self.constant(usual),
+        }
     }
 
     /// The node of a constant.

@@ -14,6 +14,15 @@
 //! effect = "joint_offset"
 //! target = "l_knee"
 //! parameters.offset_rad = { value = 0.031, std = 0.001 }
+//! [[effects]]              # one that is made of a site and a function
+//! effect = "cable_pull"
+//! target = "r_knee"
+//! site = "joint"
+//! function = "stiffness * max(q - start, 0.0)"
+//! range.q = [-0.4, 1.5]    # outside of it the function stays as it is at its ends, optional
+//! units.start = "rad"
+//! parameters.stiffness = { value = 0.052, std = 0.002 }
+//! parameters.start = { value = 0.48, std = 0.01 }
 //! [information]            # optional: what a recursive fit goes on from
 //! factor = [[812.3, 4.1, …], …, [20.5]]    # rows from their diagonal on, see `Information`
 //! ```
@@ -28,7 +37,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::Information;
-use crate::effects::Unit;
+use crate::effects::{Site, Unit};
 use crate::error::Problem;
 use crate::text::{shortened, visible};
 use crate::urdf::limits;
@@ -99,7 +108,7 @@ pub struct Quantity {
 }
 
 /// One effect of a model file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EffectRecord {
     /// Its name: `joint_offset` ([`crate::effects::Catalog`]).
@@ -107,6 +116,27 @@ pub struct EffectRecord {
     /// Joint, link, cell (`fsr_1`), `all`; `-` for the whole robot.
     #[serde(default = "whole")]
     pub target: String,
+    /// Of an effect that is made of a site and a function: where it adds something,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub site: Option<Site>,
+    /// and what, as a formula.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub function: Option<String>,
+    /// Where a load is in the frame of its link, m; at the link's CoM without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<[f64; 3]>,
+    /// What it is, in words, of `{target}`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sentence: Option<String>,
+    /// By variable of the function, the ends outside of which it stays as it is there.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub range: BTreeMap<String, [f64; 2]>,
+    /// Mean of each column of the log that the function has.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub columns: BTreeMap<String, f64>,
+    /// Units of the function's parameters that have one.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub units: BTreeMap<String, String>,
     /// Values by name with unit: `offset_rad`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, Quantity>,

@@ -22,6 +22,7 @@ use crate::base::{self, Column};
 use crate::bounds::{self, Bound, Precision};
 use crate::effects::{EncoderMap, Instance, ROUNDS, Target};
 use crate::expr::Argument;
+use crate::formula::Variable;
 use crate::interface::{Function, Given};
 use crate::program::{Array, Program};
 use crate::robot::Robot;
@@ -172,6 +173,41 @@ impl Model {
         self.static_effects().filter(acts).collect()
     }
 
+    /// What the effects depend on beside q and r, each once, in the order of the effects.
+    #[doc(hidden)]
+    pub fn beyond(&self) -> Vec<Variable> {
+        let mut all: Vec<Variable> = Vec::new();
+        for (instance, _) in self.static_effects() {
+            let own = instance.effect.composed().into_iter();
+            for variable in own.flat_map(|own| own.beyond(self, &instance.target)) {
+                if !all.contains(&variable) {
+                    all.push(variable);
+                }
+            }
+        }
+        all
+    }
+
+    /// Range and usual value of each of [`Model::beyond`]: the widest range of the effects.
+    #[doc(hidden)]
+    pub fn about_beyond(&self) -> Vec<([f64; 2], f64)> {
+        let about = |variable: &Variable| {
+            let mut found: Option<([f64; 2], f64)> = None;
+            for (Instance { effect, target }, _) in self.static_effects() {
+                let Some(own) = effect.composed() else {
+                    continue;
+                };
+                if own.beyond(self, target).contains(variable) {
+                    let ([least, most], usual) = own.about(variable);
+                    let ([low, high], first) = found.unwrap_or(([least, most], usual));
+                    found = Some(([low.min(least), high.max(most)], first));
+                }
+            }
+            found.unwrap_or_default()
+        };
+        self.beyond().iter().map(about).collect()
+    }
+
     /// How what each encoder reads becomes its joint's position, in the order of `q`.
     pub fn encoders(&self) -> Vec<EncoderMap> {
         let context = posture::context(self);
@@ -190,7 +226,7 @@ impl Model {
         let loads = self.effects_of(Function::Com).into_iter();
         loads.fold(self.tree.mass, |mass, (instance, unknowns)| {
             // A share of the robot with the load.
-            let share = instance.effect.load_share(unknowns);
+            let share = instance.effect.load_share(unknowns, self.tree.mass);
             mass + self.tree.mass * share / (1.0 - share)
         })
     }
@@ -320,8 +356,15 @@ impl Model {
                 .to_vec(),
             // A direction d, ‖d‖ ≤ 1.
             Argument::Direction => vec![bounds::Input::exact(-1.0, 1.0); 3],
+            Argument::Context => {
+                let of = |(range, _): ([f64; 2], f64)| bounds::Input {
+                    rounded: true,
+                    ..bounds::Input::exact(range[0], range[1])
+                };
+                self.about_beyond().into_iter().map(of).collect()
+            }
             // Those of fits: no bound is proven for them.
-            Argument::Unknowns | Argument::Context | Argument::Free => Vec::new(),
+            Argument::Unknowns | Argument::Free => Vec::new(),
         };
         program
             .inputs

@@ -7,6 +7,7 @@ use crate::effects::{
     self, Catalog, ContextSource, EffectContext, Instance, Measured, PostureContext,
 };
 use crate::expr::{Argument, Id};
+use crate::formula::Variable;
 use crate::functions::{Parameters, can_be_had};
 use crate::interface::{Function, Given};
 use crate::model::Model;
@@ -21,6 +22,25 @@ pub(super) fn context(model: &Model) -> EffectContext<'_> {
     context
 }
 
+/// How far joints that give way are moved by moments: see [`Measured::yielding`].
+pub(super) fn yielding(model: &Model) -> (Program, Vec<(usize, usize)>) {
+    let context = context(model);
+    let parameters = Parameters::Baked(model.params());
+    let source = ContextSource::Posture;
+    let mut measured = Measured::new(model, source, Given::Positions, parameters, &context.cells);
+    let (instances, values) = parts(&model.effects_of(Function::Com));
+    let unknowns: Vec<Id> = values.iter().map(|x| measured.constant(*x)).collect();
+    effects::apply_to_body(&mut measured, &context, &instances, &unknowns);
+    measured.yielding()
+}
+
+/// Effects and their unknowns.
+fn parts(acting: &[&(Instance, Vec<f64>)]) -> (Vec<Instance>, Vec<f64>) {
+    let instances = acting.iter().map(|(instance, _)| instance.clone());
+    let values = acting.iter().flat_map(|(_, values)| values.iter().copied());
+    (instances.collect(), values.collect())
+}
+
 /// The program of a function, with the parameters as constants where they are `baked`.
 pub(super) fn program(
     model: &Model,
@@ -31,8 +51,18 @@ pub(super) fn program(
     if !can_be_had(model, function, given) {
         return None;
     }
-    let (measured, outputs) = measured(model, ContextSource::Posture, function, given, baked);
-    measured.program(function, given, &outputs)
+    let beyond = match (&baked, function) {
+        (Some(_), Function::Com | Function::Cop) => model.beyond(),
+        _ => Vec::new(),
+    };
+    let count = beyond.len();
+    let source = ContextSource::Posture;
+    let (measured, outputs) = measured(model, source, function, given, baked, beyond);
+    let mut program = measured.program(function, given, &outputs)?;
+    if count > 0 {
+        program.inputs.push(Array::new(Argument::Context, count));
+    }
+    Some(program)
 }
 
 /// The predicted reading of postures with their [`PostureContext`], of which only
@@ -53,6 +83,7 @@ fn tilted(model: &Model, function: Function, count: usize) -> Program {
         function,
         Given::Positions,
         None,
+        Vec::new(),
     );
     let inputs = vec![
         Array::new(Argument::Positions, model.dof()),
@@ -103,6 +134,7 @@ fn measured(
     function: Function,
     given: Given,
     baked: Option<Vec<f64>>,
+    beyond: Vec<Variable>,
 ) -> (Measured<'_>, Vec<Id>) {
     let parameters = match baked {
         Some(values) => Parameters::Baked(values),
@@ -110,10 +142,9 @@ fn measured(
     };
     let context = context(model);
     let mut measured = Measured::new(model, source, given, parameters, &context.cells);
-    let acting = model.effects_of(function);
-    let instances: Vec<Instance> = acting.iter().map(|(i, _)| (*i).clone()).collect();
-    let values = acting.iter().flat_map(|(_, x)| x.iter());
-    let unknowns: Vec<Id> = values.map(|x| measured.constant(*x)).collect();
+    measured.beyond = beyond;
+    let (instances, values) = parts(&model.effects_of(function));
+    let unknowns: Vec<Id> = values.iter().map(|x| measured.constant(*x)).collect();
     let outputs = match function {
         Function::Cop => {
             effects::apply(&mut measured, &context, &instances, &unknowns);

@@ -1,20 +1,105 @@
 //! A model file against the robot that it is for: every record checked, every effect
 //! made an instance.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
-use super::file::{EffectRecord, ModelFile, Parameter};
+use super::file::{EffectRecord, ModelFile, Parameter, Quantity};
 use crate::Error;
-use crate::effects::{Catalog, Effect, EffectContext, Instance, Stage, Target};
+use crate::effects::{
+    Catalog, Composed, Constant, Definition, Effect, EffectContext, Instance, NO_UNIT, Site, Stage,
+    Target,
+};
+use crate::formula::Formula;
 use crate::robot::Robot;
 use crate::text::listed;
 use crate::urdf::suggestion;
 
 impl EffectRecord {
+    /// The record of an effect at the target of this name.
+    pub fn new(
+        effect: &dyn Effect,
+        target: String,
+        parameters: BTreeMap<String, Quantity>,
+    ) -> EffectRecord {
+        let mut record = EffectRecord {
+            effect: effect.id().name().to_string(),
+            target,
+            parameters,
+            ..EffectRecord::default()
+        };
+        if let Some(composed) = effect.composed() {
+            let definition = composed.definition().clone();
+            let units = definition.constants.into_iter();
+            let units = units.filter(|constant| constant.unit != NO_UNIT);
+            record.site = Some(definition.site);
+            record.function = Some(definition.function.to_string());
+            record.at = definition.at;
+            record.sentence = definition.sentence;
+            record.range = definition.range;
+            record.columns = definition.columns;
+            record.units = units.map(|own| (own.name, own.unit)).collect();
+        }
+        record
+    }
+
+    /// The effect that site and function make, where there are any.
+    fn composed(&self) -> Result<Option<&'static Composed>, String> {
+        let (site, function) = match (self.site, &self.function) {
+            (Some(site), Some(function)) => (site, function),
+            (Some(_), None) => return Err("function is missing; add function = \"…\"".into()),
+            (None, Some(_)) => {
+                let names = Site::ALL.map(Site::name).join(", ");
+                return Err(format!("site is missing; add one of {names}"));
+            }
+            (None, None) => return Ok(None),
+        };
+        let function = Formula::parse(function).map_err(|fault| format!("function: {fault}"))?;
+        let mut constants: Vec<Constant> = Vec::new();
+        for name in function.parameters() {
+            let Some(found) = self.parameters.get(&name) else {
+                return Err(format!(
+                    "`{name}` is missing; add parameters.{name} = {{ value = … }}"
+                ));
+            };
+            let typical = match found.value.is_finite() && found.value != 0.0 {
+                true => found.value,
+                false => 1.0,
+            };
+            let unit = self.units.get(&name).map_or(NO_UNIT, String::as_str);
+            constants.push(Constant {
+                unit: unit.to_string(),
+                typical,
+                limits: [f64::NEG_INFINITY, f64::INFINITY],
+                name,
+            });
+        }
+        let definition = Definition {
+            name: self.effect.clone(),
+            site,
+            function,
+            constants,
+            targets: Vec::new(),
+            at: self.at,
+            range: self.range.clone(),
+            columns: self.columns.clone(),
+            sentence: self.sentence.clone(),
+        };
+        let composed = Composed::new(definition).map_err(|(key, reason)| match key {
+            "adds" => format!("function: {reason}"),
+            key => format!("{key}: {reason}"),
+        });
+        Ok(Some(composed?))
+    }
+
     /// The effect at its target with its unknowns, or what is wrong and what to do.
     fn instance(&self, context: &EffectContext) -> Result<(Instance, Vec<f64>), String> {
         let name = &self.effect;
-        let effect = context.catalog.named(name).ok_or_else(|| {
+        let bad = |reason: String| format!("effect `{name}` of `{}`: {reason}", self.target);
+        let known = match self.composed().map_err(bad)? {
+            Some(composed) => Some(composed as &'static dyn Effect),
+            None => context.catalog.named(name),
+        };
+        let effect = known.ok_or_else(|| {
             let known: Vec<&str> = context.catalog.iter().map(|e| e.id().name()).collect();
             let meant = suggestion(name, known.iter().copied());
             format!(
@@ -22,7 +107,6 @@ impl EffectRecord {
                 known.join(", ")
             )
         })?;
-        let bad = |reason: String| format!("effect `{name}` of `{}`: {reason}", self.target);
         let target = context
             .target_named(effect, &self.target)
             .ok_or_else(|| bad(no_target(effect, &self.target, context)))?;
@@ -69,6 +153,9 @@ fn no_target(effect: &dyn Effect, wrong: &str, context: &EffectContext) -> Strin
              rectangle, m"
                 .to_string()
         }
+        true if effect.composed().is_some() => {
+            "this robot has no such target, or no joint that its function names".to_string()
+        }
         true => "no joint, link or cell of this robot can have this effect; remove it".to_string(),
         false => {
             let names = targets.iter().map(|target| context.name_of(target));
@@ -92,7 +179,7 @@ fn without_mass<'r>(robot: &'r Robot, all: &[(Instance, Vec<f64>)]) -> Option<&'
         let Target::Link(link) = instance.target else {
             return None;
         };
-        let share = instance.effect.load_share(unknowns);
+        let share = instance.effect.load_share(unknowns, robot.tree.mass);
         if !instance.effect.changes_body(&instance.target) || share >= 0.0 {
             return None;
         }

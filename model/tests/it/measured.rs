@@ -127,6 +127,7 @@ fn a_model_with_nothing_to_show_keeps_its_functions() {
             effect: effect.into(),
             target: "-".into(),
             parameters: names.iter().map(|name| (name.to_string(), value)).collect(),
+            ..EffectRecord::default()
         });
         bare.clone().with_file(file).unwrap()
     };

@@ -60,6 +60,14 @@ impl World {
         self.gravity([x, y, -1.0])
     }
 
+    /// The ground falls off by so much more (rise over run) along an axis (0 x, 1 y) of the
+    /// support frame, beside what an earlier gravity or slope says.
+    pub fn ground_error(mut self, axis: usize, slope: f64) -> Self {
+        self.gravity /= -self.gravity.z;
+        self.gravity[axis] += slope;
+        self
+    }
+
     /// Gravity's pull on a kilogram, N.
     pub(super) fn pull_of_gravity(&self) -> Vector3<f64> {
         self.gravity * (GRAVITY / self.gravity.norm())

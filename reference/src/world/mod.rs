@@ -15,6 +15,7 @@
 //! add.
 
 mod cells;
+mod functions;
 mod ground;
 mod joints;
 mod masses;
@@ -31,6 +32,7 @@ use crate::error::Error;
 use crate::robot::Robot;
 
 use cells::Cells;
+use functions::Functions;
 use ground::{Inertia, Pressure};
 use joints::Encoder;
 use sensor::Sensor;
@@ -72,6 +74,7 @@ pub struct World {
     yielding: Vec<Yielding>,
     pulls: Vec<Pull>,
     unmodelled: Unmodelled,
+    functions: Functions,
     gravity: Vector3<f64>,
     cells: Cells,
     sensor: Sensor,
@@ -97,6 +100,7 @@ impl World {
             yielding: vec![Yielding::default(); dof],
             pulls: Vec::new(),
             unmodelled: Unmodelled::default(),
+            functions: Functions::default(),
             gravity: -Vector3::z(),
             cells: Cells::default(),
             sensor: Sensor::ideal(),
@@ -174,7 +178,10 @@ impl World {
 
     /// What is written down about a pressure; `jump` is this posture's own.
     fn sense(&self, q: &[f64], pressure: &Pressure, progress: f64, jump: Vector2<f64>) -> Reading {
-        let after = |cop| self.sensor.reading(cop, progress) + self.unmodelled.sine(q) + jump;
+        let after = |cop| {
+            let reading = self.sensor.reading(cop, progress);
+            reading + self.functions.added(reading) + self.unmodelled.sine(q) + jump
+        };
         if self.cells.is_empty() {
             return Reading {
                 cop: self.sensor.write(after(pressure.at_m)),

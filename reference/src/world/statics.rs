@@ -217,7 +217,7 @@ impl World {
         let unloaded = self.unloaded(q);
         let soft = self.yielding.iter().any(|joint| joint.compliance > 0.0);
         let loose = self.yielding.iter().any(|joint| joint.slack > 0.0);
-        if !soft && !loose {
+        if !soft && !loose && !self.functions.move_joints() {
             return unloaded;
         }
         let mut slides: Vec<Slide> = self.yielding.iter().map(Slide::new).collect();
@@ -230,7 +230,8 @@ impl World {
             let mut moved: f64 = 0.0;
             for (j, (joint, yielding)) in joints.iter_mut().zip(&self.yielding).enumerate() {
                 let slid = slides[j].follow(moments[j] + yielding.cable_moment(*joint));
-                let next = yielding.held(unloaded[j] + slides[j].at, moments[j]);
+                let free = unloaded[j] + slides[j].at + self.functions.moved(j, q, &moments);
+                let next = yielding.held(free, moments[j]);
                 moved = moved.max((next - *joint).abs()).max(slid);
                 *joint = next;
             }

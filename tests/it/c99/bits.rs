@@ -116,7 +116,7 @@ pub fn same(name: &str, found: &[f64], expected: &[f64], all: bool) {
 }
 
 /// No bound is exceeded; and one far above what is measured would prove nothing.
-fn bounded(case: &Case, scalar: Scalar, compiled: &Compiled, entries: &[&Entry]) {
+pub fn bounded(case: &Case, scalar: Scalar, compiled: &Compiled, entries: &[&Entry]) {
     if scalar == Scalar::F64 {
         let drawn = draw(case, IN_PAIRS, 29, &*compiled.hold());
         for (entry, found) in entries.iter().zip(&compiled.run(case, entries, &drawn)) {

@@ -195,6 +195,7 @@ impl Case {
                 .iter()
                 .map(|&(name, value)| (name.to_string(), Quantity { value, std: None }))
                 .collect(),
+            ..EffectRecord::default()
         };
         file.effects = effects.iter().map(record).collect();
         self.model = self.model.with_file(file).unwrap();

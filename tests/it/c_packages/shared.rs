@@ -109,6 +109,7 @@ fn model_file() -> String {
         effect: "sensor_offset".to_string(),
         target: "-".to_string(),
         parameters: [("offset_x_m".to_string(), x), ("offset_y_m".to_string(), y)].into(),
+        ..EffectRecord::default()
     }];
     let n = model.base.params.len();
     file.inform(Information::of(&(DMatrix::identity(n, n) * 50.0)));

@@ -115,6 +115,7 @@ impl Hidden {
             effect: effect.id().name().to_string(),
             target: self.target.clone(),
             parameters: names.zip(self.values.iter().map(quantity)).collect(),
+            ..EffectRecord::default()
         }
     }
 }

@@ -6,6 +6,7 @@
 
 mod body;
 pub mod compiled;
+pub mod composed;
 pub mod correction;
 pub mod hidden;
 mod records;

@@ -75,7 +75,7 @@ fn faults_of_records_name_the_effect_and_the_remedy() {
     let unknown = EffectRecord {
         effect: "warp".into(),
         target: "-".into(),
-        parameters: Default::default(),
+        ..EffectRecord::default()
     };
     generate(
         &stand,

@@ -1,22 +1,24 @@
-//! Clamp and power of the generated C, compiled and run on pairs of numbers.
+//! Clamp, power and maximum of the generated C, compiled and run on pairs of numbers.
 
 use std::fs;
 use std::process::Command;
 
 use sesc_codegen::emit::c::{self, Scalar};
 use sesc_model::bounds::Precision;
+use sesc_model::effects::Site;
 use sesc_test_support::command::fresh;
 
 use crate::c99::case::Case;
 use crate::c99::compiled::{SEPARATE, printed, tool};
+use crate::effects::composed::record;
 
-/// Reads pairs from a file; writes quotient, clamp and power of each.
+/// Reads pairs from a file; writes quotient, clamp, power and maximum of each.
 const MAIN: &str = r#"#include "two_link.c"
 #include <stdio.h>
 
 int main(int count, char **arguments)
 {
-    two_link_real in[2], out[3];
+    two_link_real in[2], out[4];
     FILE *input = (count > 1) ? fopen(arguments[1], "rb") : NULL;
     if (input == NULL) {
         return 2;
@@ -25,6 +27,7 @@ int main(int count, char **arguments)
         out[0] = in[0] / in[1];
         out[1] = two_link_clamp(in[0]);
         out[2] = two_link_power(in[0], in[1]);
+        out[3] = two_link_larger(in[0], in[1]);
         if (fwrite(out, sizeof out, 1u, stdout) != 1u) {
             return 3;
         }
@@ -33,7 +36,8 @@ int main(int count, char **arguments)
 }
 "#;
 
-/// A package whose readings need both helpers: one cell saturates, one is not linear.
+/// A package whose readings need all helpers: one cell saturates, one is not linear, a joint errs on
+/// one side.
 fn package(scalar: Scalar) -> c::Package {
     let mut case = Case::robot("two_link", "foot").and(
         "cells",
@@ -42,11 +46,15 @@ fn package(scalar: Scalar) -> c::Package {
             ("cell_exponent", "fsr_2", &[("exponent", 1.1)]),
         ],
     );
+    let mut file = case.model.file.clone().unwrap();
+    let ramp = (Site::Joint, "max(q, 0)");
+    file.effects.push(record("ramp", "knee", ramp, &[]));
+    case.model = case.model.with_file(file).unwrap();
     case.name = "two_link".to_string();
     case.package(scalar)
 }
 
-/// Quotient, clamp and power of each pair, one after the other.
+/// Quotient, clamp, power and maximum of each pair, one after the other.
 pub fn run(precision: Precision, compiler: &str, flags: &[&str], pairs: &[[f64; 2]]) -> Vec<f64> {
     let name = format!("{precision:?}_{compiler}{}", flags.concat());
     let folder = fresh(&format!("operations/{name}"));

@@ -1,4 +1,4 @@
-//! Programs made by hand: what effects will ask of quotients, clamps and powers.
+//! Programs made by hand: what effects will ask of quotients, clamps, powers and maxima.
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -138,6 +138,22 @@ pub fn cases() -> Vec<Case> {
                 vec![s, c, sign]
             },
         ),
+        Case::new(
+            "hat",
+            [vec![[-1.5, 1.5]; 2], vec![[-0.4, 0.1], [0.2, 0.6]]],
+            |g, x, y| {
+                let ramp = g.sub(x[0], y[0]);
+                let zero = g.constant(0.0);
+                let ramp = g.max(ramp, zero);
+                let size = g.abs(x[1]);
+                let hat = g.sub(y[1], size);
+                let hat = g.max(hat, zero);
+                let both = g.mul(ramp, hat);
+                let (s, larger) = (g.sin(x[1]), g.max(x[0], x[1]));
+                let third = g.mul(s, larger);
+                vec![ramp, hat, both, third]
+            },
+        ),
     ]
 }
 
@@ -146,8 +162,8 @@ pub fn bare() -> Case {
     let any = || vec![[f64::NEG_INFINITY, f64::INFINITY]];
     Case::new("bare", [any(), any()], |g, x, y| {
         let (quotient, inside) = (g.div(x[0], y[0]), g.clamp(x[0]));
-        let power = g.pow(x[0], y[0]);
-        vec![quotient, inside, power]
+        let (power, larger) = (g.pow(x[0], y[0]), g.max(x[0], y[0]));
+        vec![quotient, inside, power, larger]
     })
 }
 

@@ -50,6 +50,15 @@ pub(super) fn constants(
             name,
         ));
     }
+    if !facts.context.is_empty() {
+        constants.push(strings(
+            name,
+            "context_names",
+            "CONTEXT",
+            "What effects depend on beside q: time (s), side of approach (-1 to 1), columns of a log.",
+            facts.context.iter().map(|(variable, _)| variable.as_str()),
+        ));
+    }
     constants.extend(parameters(
         facts,
         scalar,

@@ -5,7 +5,7 @@ use std::ops::Deref;
 use super::{Options, Scalar};
 use crate::emit::listing::{Line, Listing, Results};
 use crate::facts::Facts;
-use crate::routines::Routine;
+use crate::routines::{Routine, takes_context};
 use sesc_model::Given;
 use sesc_model::bounds::Formats;
 use sesc_model::expr::Argument;
@@ -102,6 +102,7 @@ impl Exported<'_> {
     pub(super) fn arguments(&self) -> Vec<Argument> {
         let mut arguments = self.function.arguments(self.given);
         arguments.retain(|argument| *argument != Argument::Parameters || !self.baked);
+        arguments.extend(takes_context(&self.program).then_some(Argument::Context));
         arguments
     }
 

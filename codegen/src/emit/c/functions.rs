@@ -186,6 +186,7 @@ fn extent(extent: Extent, name: &str) -> String {
         Extent::Dof => format!("{name}_DOF"),
         Extent::BaseParams => format!("{name}_BASE_PARAMS"),
         Extent::FullParams => format!("{name}_FULL_PARAMS"),
+        Extent::Context => format!("{name}_CONTEXT"),
     }
 }
 
@@ -209,7 +210,8 @@ fn meaning(argument: Argument) -> &'static str {
         Argument::Parameters => "base parameters, m",
         Argument::Direction => "a direction of the support frame, no longer than 1",
         Argument::Reading => "sensor reading, in the unit of cop",
-        // Unknowns and contexts are inputs of fits, in Rust alone.
+        Argument::Context => "what effects depend on beside q, in the order of context_names",
+        // Unknowns are inputs of fits, in Rust alone.
         _ => "an input of fits",
     }
 }

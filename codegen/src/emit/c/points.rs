@@ -38,6 +38,7 @@ pub(super) fn points(routines: &[Exported], mass: f64) -> Vec<Point> {
                 Argument::Velocities => ("QD", "joint velocities, rad/s or m/s"),
                 Argument::Accelerations => ("QDD", "joint accelerations, rad/s2 or m/s2"),
                 Argument::Parameters => ("R", "parameters, m"),
+                Argument::Context => ("CONTEXT", "the context"),
                 _ => ("SC", "sines and cosines (m of prismatic joints in sin_q)"),
             };
             push(name.to_string(), of.to_string(), *bits);

@@ -7,7 +7,7 @@ use super::exported::{Exported, array_bits};
 use super::ticks::Ticks;
 use super::{Scalar, number};
 use crate::facts::Facts;
-use crate::routines::Routine;
+use crate::routines::{Routine, takes_context};
 use sesc_model::expr::Argument;
 use sesc_model::tape::{Kernels, Tape, Values};
 use sesc_model::{Function, Given};
@@ -135,13 +135,26 @@ pub(super) fn checks(
             _ if routine.is_of_ticks() => "ticks",
             _ => positions,
         };
+        let context = match takes_context(&routine.program) {
+            true => {
+                let usual: Vec<f64> = facts.context.iter().map(|(_, usual)| *usual).collect();
+                let bits = array_bits(routines, Argument::Context);
+                arrays.push(Constant {
+                    scalar: format!("{name}_real"),
+                    name: format!("context_{stem}"),
+                    values: in_format(&usual, scalar, bits),
+                });
+                format!("context_{stem}, ")
+            }
+            false => String::new(),
+        };
         let r = match routine.takes_parameters() {
             true => format!("{name}_cad_params, "),
             false => String::new(),
         };
         checks.push(Check {
             arrays,
-            call: format!("{name}_{stem}({argument}, {r}{got});"),
+            call: format!("{name}_{stem}({argument}, {r}{context}{got});"),
             got,
             expected: label,
             count: expected.len(),

@@ -75,8 +75,10 @@ impl Ticks {
         let mut inputs = routine.inputs.clone();
         for (array, inputs) in routine.program.inputs.iter().zip(&mut inputs) {
             // What ticks are not turned into comes as it is.
-            if let Argument::Parameters | Argument::Velocities | Argument::Accelerations =
-                array.argument
+            if let Argument::Parameters
+            | Argument::Velocities
+            | Argument::Accelerations
+            | Argument::Context = array.argument
             {
                 continue;
             }

@@ -50,6 +50,7 @@ pub(super) fn extent(extent: Extent) -> TokenStream {
         Extent::Dof => quote!(DOF),
         Extent::BaseParams => quote!(BASE_PARAMS),
         Extent::FullParams => quote!(FULL_PARAMS),
+        Extent::Context => quote!(CONTEXT),
     }
 }
 

@@ -129,7 +129,7 @@ impl<'m> Block<'m> {
         effects: &Catalog,
     ) -> Block<'m> {
         let times = data.motion.is_some();
-        let mut context = EffectContext::new(model, &data.cells, times, effects.clone());
+        let mut context = EffectContext::new(model, &data.cells, times, effects.clone()).fitted();
         context.moving = data.moved.is_some();
         let n = data.len();
         let mut rows = CopRows::new(model).of(&data.q, n, Some(&tilts(&data, model)));
@@ -206,7 +206,7 @@ impl<'m> Block<'m> {
         let (cells, times) = (&self.data.cells, self.data.motion.is_some());
         Block {
             params: model.cad_params(),
-            context: EffectContext::new(model, cells, times, self.context.catalog.clone()),
+            context: EffectContext::new(model, cells, times, self.context.catalog.clone()).fitted(),
             model,
             tapes: Arc::default(),
             ..self.clone()
@@ -574,13 +574,13 @@ impl<'m> Block<'m> {
     /// unknowns.
     fn carried(&self, own: &CarriedExplanation) -> (f64, RowDVector<f64>) {
         let mut slopes = RowDVector::zeros(own.unknowns.len());
-        let mut all = 0.0;
+        let (mut all, robot_kg) = (0.0, self.context.robot.tree.mass);
         for (term, places) in with_places(&own.terms, &self.context) {
             let Some(instance) = term.effect() else {
                 continue;
             };
             let added = |unknowns: &[f64]| {
-                let share = instance.effect.load_share(unknowns);
+                let share = instance.effect.load_share(unknowns, robot_kg);
                 share / (1.0 - share)
             };
             let mut unknowns = own.unknowns[places.clone()].to_vec();

@@ -56,7 +56,7 @@ impl Effect for Eccentric {
         vec![(unknowns[0].abs() - 0.2).max(0.0) / 0.01]
     }
 
-    fn load_share(&self, unknowns: &[f64]) -> f64 {
+    fn load_share(&self, unknowns: &[f64], _: f64) -> f64 {
         2.0 * unknowns[0]
     }
 
@@ -185,7 +185,7 @@ fn its_bounds_load_dead_band_and_experiments_are_those_it_states() {
     let fit = problem.fit_from(&eccentric, vec![0.05], ALL);
     assert!(fit.unknowns[0].abs() < 0.2);
     let effect = eccentric[0].effect().unwrap().effect;
-    assert_eq!(effect.load_share(&[0.25]), 0.5);
+    assert_eq!(effect.load_share(&[0.25], 1.0), 0.5);
     // Experiments scale it, or leave it out.
     let context = &problem.first().context;
     let within = |experiment| carried(Some(experiment), (context, context), (&eccentric, &[0.1]));

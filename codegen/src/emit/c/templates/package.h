@@ -30,6 +30,10 @@ typedef {{ real }} {{ name }}_real;
 #define {{ name }}_BASE_PARAMS {{ base_params }}
 /** Number of SESC parameters r_0, r_1, ... (and s of prismatic joints). */
 #define {{ name }}_FULL_PARAMS {{ full_params }}
+{%- if context %}
+/** Number of what effects depend on beside q and r: the context of model_com and model_cop. */
+#define {{ name }}_CONTEXT {{ context }}
+{%- endif %}
 {%- for point in points %}
 
 /** Fraction bits of {{ point.of }}: value = integer / 2^{{ point.bits }}. */
