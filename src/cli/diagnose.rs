@@ -50,6 +50,9 @@ pub(super) struct Arguments {
     healthy: Vec<PathBuf>,
     #[command(flatten)]
     how: DiagnosisArguments,
+    /// TOML file of effects of your own, each a site and a formula, to be tried beside the others
+    #[arg(long, value_name = "FILE")]
+    effects: Option<PathBuf>,
     #[command(flatten)]
     shift: OffsetArguments,
     #[command(flatten)]
@@ -103,6 +106,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     Files::default()
         .reads_robots([&arguments.robot.urdf])
         .reads(&arguments.servos)
+        .reads(&arguments.effects)
         .may_read(&arguments.how.reading.prior)
         .reads_logs([&arguments.data])
         .reads_logs(&arguments.then)
@@ -203,6 +207,9 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.next_file = arguments.next.clone();
     if let Some(file) = &arguments.servos {
         request.servos = servos::read(file, &request.robot)?;
+    }
+    if let Some(file) = &arguments.effects {
+        request.effects = request.effects.with_file(file)?;
     }
     request.corrected_urdf = arguments.corrected.is_some();
     request.total_mass = arguments.total_mass;

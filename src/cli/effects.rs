@@ -3,8 +3,9 @@
 use clap::Args;
 use serde::Serialize;
 use sesc_identify::diagnose::{MODEL_PAGES, subject};
-use sesc_model::effects::Catalog;
 use sesc_model::effects::about::{EffectAbout, TargetKind, about};
+use sesc_model::effects::{Catalog, Site};
+use sesc_model::formula::functions;
 use sesc_model::urdf::suggestion;
 
 use super::{Outcome, print_json, show};
@@ -37,6 +38,22 @@ pub(super) struct Listed {
     effects: Vec<EffectAbout>,
     /// What else a diagnosis may name.
     others: Vec<NoEffect>,
+    /// Where effects of a user's own add something.
+    sites: [SiteAbout; 5],
+    /// Functions that their formulas may call.
+    functions: [&'static str; 9],
+}
+
+/// A site of effects of a user's own.
+#[derive(Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct SiteAbout {
+    /// Its name in files: `joint`.
+    name: &'static str,
+    /// What is added there, and its unit.
+    adds: &'static str,
+    /// What formulas may depend on there.
+    variables: &'static str,
 }
 
 /// What a diagnosis may name that is no effect.
@@ -75,7 +92,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         others.retain(|other| other.name == name);
     }
     if arguments.json {
-        print_json(&Listed { effects, others })?;
+        let sites = Site::ALL.map(|site| SiteAbout {
+            name: site.name(),
+            adds: site.adds(),
+            variables: site.variables(),
+        });
+        print_json(&Listed {
+            effects,
+            others,
+            sites,
+            functions: functions(),
+        })?;
         return Ok(Outcome::Ok);
     }
     let page = match (&arguments.name, effects.first(), others.first()) {
@@ -83,10 +110,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             format!("{name}: {}\n{}", on_console(effect.page), acts_on(effect))
         }
         (Some(name), None, Some(other)) => format!("{name}: {}", on_console(other.page)),
-        _ => table(&effects) + BESIDE,
+        _ => table(&effects) + &own() + BESIDE,
     };
     show(&page)?;
     Ok(Outcome::Ok)
+}
+
+/// Sites and functions of effects of a user's own.
+fn own() -> String {
+    let mut table = Table::new(&["site", "a formula adds", "variables of the formula"]);
+    for site in Site::ALL {
+        table.row(&[site.name(), site.adds(), site.variables()]);
+    }
+    format!(
+        "\nEffects of your own (sesc diagnose --effects own.toml) are a site and a formula of {}:\n\n\
+         {table}",
+        functions().join(" ")
+    )
 }
 
 /// `Acts on: joint. Parameters: offset_rad (rad), offset_m (m).`
