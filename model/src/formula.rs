@@ -86,36 +86,84 @@ impl Variable {
     }
 }
 
-/// A function that formulas may call.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Function {
-    Sin,
-    Cos,
-    Abs,
-    Sign,
-    Sqrt,
-    Exp,
-    Pow,
-    Max,
-    Min,
+/// A function that formulas may call: its name, how many arguments it takes, and what it is of
+/// expressions and of numbers.
+struct Function {
+    name: &'static str,
+    takes: usize,
+    write: fn(&mut Graph, &[Id]) -> Id,
+    value: fn(&[f64]) -> f64,
 }
 
-/// Functions by name, with how many arguments they take.
-const FUNCTIONS: [(&str, Function, usize); 9] = [
-    ("sin", Function::Sin, 1),
-    ("cos", Function::Cos, 1),
-    ("abs", Function::Abs, 1),
-    ("sign", Function::Sign, 1),
-    ("sqrt", Function::Sqrt, 1),
-    ("exp", Function::Exp, 1),
-    ("pow", Function::Pow, 2),
-    ("max", Function::Max, 2),
-    ("min", Function::Min, 2),
+const FUNCTIONS: [Function; 9] = [
+    Function {
+        name: "sin",
+        takes: 1,
+        write: |g, of| g.sin(of[0]),
+        value: |of| libm::sin(of[0]),
+    },
+    Function {
+        name: "cos",
+        takes: 1,
+        write: |g, of| g.cos(of[0]),
+        value: |of| libm::cos(of[0]),
+    },
+    Function {
+        name: "abs",
+        takes: 1,
+        write: |g, of| g.abs(of[0]),
+        value: |of| libm::fabs(of[0]),
+    },
+    Function {
+        name: "sign",
+        takes: 1,
+        write: |g, of| g.sign(of[0]),
+        value: |of| f64::from(i8::from(of[0] > 0.0) - i8::from(of[0] < 0.0)),
+    },
+    Function {
+        name: "sqrt",
+        takes: 1,
+        write: |g, of| {
+            let half = g.constant(0.5);
+            power(g, of[0], half)
+        },
+        value: |of| libm::sqrt(of[0].max(0.0)),
+    },
+    Function {
+        name: "exp",
+        takes: 1,
+        write: |g, of| {
+            let e = g.constant(core::f64::consts::E);
+            g.pow(e, of[0])
+        },
+        value: |of| libm::exp(of[0]),
+    },
+    Function {
+        name: "pow",
+        takes: 2,
+        write: |g, of| power(g, of[0], of[1]),
+        value: |of| libm::pow(of[0].max(0.0), of[1]),
+    },
+    Function {
+        name: "max",
+        takes: 2,
+        write: |g, of| g.max(of[0], of[1]),
+        value: |of| of[0].max(of[1]),
+    },
+    Function {
+        name: "min",
+        takes: 2,
+        write: |g, of| g.min(of[0], of[1]),
+        value: |of| of[0].min(of[1]),
+    },
 ];
+
+/// Those that have a corner, or jump.
+const CORNERS: [&str; 4] = ["abs", "sign", "max", "min"];
 
 /// Names of the functions that formulas may call.
 pub fn functions() -> [&'static str; 9] {
-    FUNCTIONS.map(|(name, ..)| name)
+    FUNCTIONS.map(|function| function.name)
 }
 
 /// An operator between two formulas.
@@ -135,7 +183,10 @@ enum Node {
     Variable(Variable),
     Neg(Box<Node>),
     Binary(Operator, Box<[Node; 2]>),
-    Call(Function, Vec<Node>),
+    /// A whole power, as products write it.
+    Power(Box<Node>, i32),
+    /// A function, by its place in the table.
+    Call(usize, Vec<Node>),
 }
 
 /// A formula as it was read, printed in one way by `Display`.
@@ -213,13 +264,7 @@ impl Formula {
     pub fn has_corners(&self) -> bool {
         let mut corners = false;
         self.0.walk(&mut |node| {
-            corners |= matches!(
-                node,
-                Node::Call(
-                    Function::Abs | Function::Sign | Function::Max | Function::Min,
-                    _
-                )
-            );
+            corners |= matches!(node, Node::Call(k, _) if CORNERS.contains(&FUNCTIONS[*k].name));
         });
         corners
     }
@@ -249,7 +294,7 @@ impl Node {
         see(self);
         match self {
             Node::Number(_) | Node::Parameter(_) | Node::Variable(_) => {}
-            Node::Neg(a) => a.walk(see),
+            Node::Neg(a) | Node::Power(a, _) => a.walk(see),
             Node::Binary(_, both) => both.iter().for_each(|part| part.walk(see)),
             Node::Call(_, arguments) => arguments.iter().for_each(|part| part.walk(see)),
         }
@@ -279,33 +324,13 @@ impl Node {
                     Operator::Div => g.div(a, b),
                 }
             }
+            Node::Power(a, times) => {
+                let a = of(g, a);
+                products(g, a, *times)
+            }
             Node::Call(function, arguments) => {
                 let ids: Vec<Id> = arguments.iter().map(|node| of(g, node)).collect();
-                let a = ids[0];
-                match function {
-                    Function::Sin => g.sin(a),
-                    Function::Cos => g.cos(a),
-                    Function::Abs => g.abs(a),
-                    Function::Sign => g.sign(a),
-                    Function::Sqrt => {
-                        let half = g.constant(0.5);
-                        power(g, a, half)
-                    }
-                    Function::Exp => {
-                        let e = g.constant(core::f64::consts::E);
-                        g.pow(e, a)
-                    }
-                    Function::Pow => match arguments[1].integer() {
-                        Some(times) => products(g, a, times),
-                        None => power(g, a, ids[1]),
-                    },
-                    Function::Max => g.max(a, ids[1]),
-                    Function::Min => {
-                        let [a, b] = [a, ids[1]].map(|x| g.neg(x));
-                        let larger = g.max(a, b);
-                        g.neg(larger)
-                    }
-                }
+                (FUNCTIONS[*function].write)(g, &ids)
             }
         }
     }
@@ -326,24 +351,10 @@ impl Node {
                     Operator::Div => a / b,
                 }
             }
+            Node::Power(a, times) => libm::pow(of(a), f64::from(*times)),
             Node::Call(function, arguments) => {
-                let a = of(&arguments[0]);
-                let b = || of(&arguments[1]);
-                match function {
-                    Function::Sin => libm::sin(a),
-                    Function::Cos => libm::cos(a),
-                    Function::Abs => libm::fabs(a),
-                    Function::Sign if a == 0.0 => 0.0,
-                    Function::Sign => libm::copysign(1.0, a),
-                    Function::Sqrt => libm::sqrt(a.max(0.0)),
-                    Function::Exp => libm::exp(a),
-                    Function::Pow => match arguments[1].integer() {
-                        Some(_) => libm::pow(a, b()),
-                        None => libm::pow(a.max(0.0), b()),
-                    },
-                    Function::Max => a.max(b()),
-                    Function::Min => a.min(b()),
-                }
+                let values: Vec<f64> = arguments.iter().map(of).collect();
+                (FUNCTIONS[*function].value)(&values)
             }
         }
     }
@@ -422,9 +433,9 @@ impl fmt::Display for Node {
                 // Rounding depends on the order.
                 part(f, &both[1], own + 1)
             }
+            Node::Power(a, times) => write!(f, "pow({a}, {times})"),
             Node::Call(function, arguments) => {
-                let known = FUNCTIONS.iter().find(|(_, known, _)| known == function);
-                f.write_str(known.map_or("", |(name, ..)| name))?;
+                f.write_str(FUNCTIONS[*function].name)?;
                 f.write_str("(")?;
                 for (k, argument) in arguments.iter().enumerate() {
                     f.write_str(if k > 0 { ", " } else { "" })?;
@@ -442,6 +453,8 @@ fn check_characters(text: &str) -> Result<(), Fault> {
     let fault = |column: usize, reason: String| Err(Fault { column, reason });
     let mut open: Vec<(char, usize)> = Vec::new();
     let (mut signs, mut quote) = (0_usize, None);
+    // The last character that is no space, and whether it stands right before.
+    let (mut last, mut beside) = (' ', false);
     for (k, c) in text.chars().enumerate() {
         let column = k + 1;
         if column > LONGEST {
@@ -462,6 +475,20 @@ fn check_characters(text: &str) -> Result<(), Fault> {
                 c if c.is_control() => return fault(column, "a control character".into()),
                 _ => continue,
             }
+        }
+        let is_word = |c: char| c.is_alphanumeric() || c == '_';
+        if is_word(c) && is_word(last) && !beside {
+            let reason = "two names need an operator between them; a formula has no `if`, casts or \
+                          statements";
+            return fault(column, reason.into());
+        }
+        if c == '.' && last == '.' && beside {
+            return fault(column, "a formula has no ranges".into());
+        }
+        if c == ' ' {
+            beside = false;
+        } else {
+            (last, beside) = (c, true);
         }
         signs = match c {
             '-' | '*' => signs + 1,
@@ -539,21 +566,22 @@ fn node(syntax: &Syntax) -> Result<Node, Fault> {
         }
         Syntax::Call(call) => {
             let name = word(&call.func)?;
-            let known = FUNCTIONS.iter().find(|(known, ..)| **known == name);
-            let Some((_, function, count)) = known else {
+            let Some(k) = FUNCTIONS.iter().position(|known| known.name == name) else {
                 let names = functions();
                 let meant = suggestion(&name, names);
                 let reason = format!("no function `{name}`; there are {}{meant}", names.join(" "));
                 return Err(fault(call.func.span(), &reason));
             };
-            if call.args.len() != *count {
-                let reason = format!("`{name}` takes {count}, not {}", call.args.len());
+            let takes = FUNCTIONS[k].takes;
+            if call.args.len() != takes {
+                let reason = format!("`{name}` takes {takes}, not {}", call.args.len());
                 return Err(fault(call.func.span(), &reason));
             }
-            Node::Call(
-                *function,
-                call.args.iter().map(node).collect::<Result<_, _>>()?,
-            )
+            let mut arguments = call.args.iter().map(node).collect::<Result<Vec<_>, _>>()?;
+            match arguments.get(1).and_then(Node::integer) {
+                Some(times) if name == "pow" => Node::Power(Box::new(arguments.remove(0)), times),
+                _ => Node::Call(k, arguments),
+            }
         }
         Syntax::Index(index) => {
             let array = word(&index.expr)?;
@@ -684,8 +712,10 @@ mod tests {
             ("k * q ^ 2", 7, "pow(x, 2)"),
             ("k % 2", 3, "no operator"),
             ("q < 1", 3, "no operator"),
-            ("k * if q { 1 } else { 2 }", 10, "stands in no formula"),
-            ("k * (q as f64)", 6, "casts"),
+            ("k * if q { 1 } else { 2 }", 8, "no `if`"),
+            ("k * (q as f64)", 8, "casts"),
+            ("return q", 8, "statements"),
+            ("0..q", 3, "no ranges"),
             ("k * q.sin()", 5, "methods"),
             ("k * sine(q)", 5, "did you mean"),
             ("max(q)", 1, "takes 2"),

@@ -400,6 +400,12 @@ fn with_function(
                 other => usual(other),
             })
         })),
+        (Site::Ground, _) if composed.reads_cop() => Ok(world.ground_function(axis, move |cop| {
+            composed.value(&values, &|variable| match variable {
+                Variable::Reading(axis) => cop[*axis],
+                other => usual(other),
+            })
+        })),
         (Site::Ground, _) => Ok(world.ground_error(axis, composed.value(&values, &usual))),
         (Site::Load, Target::Link(link)) => {
             let link = &robot.tree.links[*link];
@@ -407,9 +413,7 @@ fn with_function(
             world.payload(&link.name, composed.value(&values, &usual), at)
         }
         (Site::Cell, Target::Cell(cell)) => {
-            let variables = definition.function.variables();
-            let reads = |variable: &Variable| matches!(variable, Variable::Reading(_));
-            if variables.iter().any(reads) {
+            if composed.reads_cop() {
                 return None;
             }
             world.cell_offset(cell + 1, composed.value(&values, &usual))

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 
 use sesc_model::effects::{Catalog, Instance, Stage, Target};
 use sesc_model::formula::Variable;
-use sesc_model::{EffectRecord, ModelFile, Quantity};
+use sesc_model::{EffectRecord, Function, ModelFile, Quantity};
 
 use super::criteria::{
     AGREES, FILE_AGREES, FLIPPED, GAIN, LARGEST_OUTLIER_SHARE, MOST, OTHER_SIDE, SHORTEST,
@@ -31,6 +31,7 @@ use super::hypothesis::{Term, effects_of};
 use super::problem::{ALL, Fit, InFile, Problem, backlash_sides};
 use super::{held_out, words};
 use crate::Error;
+use crate::evaluate::Evaluator;
 use crate::lsq::solve::information;
 use crate::observations::postures::rms;
 
@@ -104,6 +105,15 @@ fn ranges(problem: &Problem, instance: &Instance) -> BTreeMap<String, [f64; 2]> 
         let most = values().copied().fold(f64::NEG_INFINITY, f64::max);
         (least <= most).then_some([least, most])
     };
+    // N m.
+    let moments = || {
+        let weight = problem.context().weight();
+        let evaluator = Evaluator::new(problem.first().model, Function::GravityMoments);
+        let over_weight = evaluator.run(&data.q, data.len()).into_iter();
+        over_weight
+            .map(|moment| weight * moment)
+            .collect::<Vec<f64>>()
+    };
     let composed = instance.effect.composed().into_iter();
     let variables = composed.flat_map(|own| own.definition().function.variables());
     let range = |variable: &Variable| match (variable, &instance.target) {
@@ -113,6 +123,11 @@ fn ranges(problem: &Problem, instance: &Instance) -> BTreeMap<String, [f64; 2]> 
             column(&data.q, dofs.len(), joint)
         }
         (Variable::Reading(axis), _) => column(&data.reading, 2, *axis),
+        (Variable::Moment(None), Target::Joint(joint)) => column(&moments(), dofs.len(), *joint),
+        (Variable::Moment(Some(name)), _) => {
+            let joint = dofs.iter().position(|dof| dof.joint == *name)?;
+            column(&moments(), dofs.len(), joint)
+        }
         _ => None,
     };
     let ranges = variables.filter_map(|variable| Some((variable.to_string(), range(&variable)?)));

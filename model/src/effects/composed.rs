@@ -76,8 +76,10 @@ impl Site {
                 "q, tau, approach, q[\"joint\"], tau[\"joint\"], approach[\"joint\"], t, \
                  column[\"name\"]"
             }
-            Site::Sensor | Site::Cell => "x, y, approach[\"joint\"], t, column[\"name\"]",
-            Site::Ground | Site::Load => "approach[\"joint\"], t, column[\"name\"]",
+            Site::Sensor | Site::Cell | Site::Ground => {
+                "x, y, approach[\"joint\"], t, column[\"name\"]"
+            }
+            Site::Load => "approach[\"joint\"], t, column[\"name\"]",
         }
     }
 
@@ -88,7 +90,7 @@ impl Site {
             Variable::Approach(None) | Variable::Moment(_) | Variable::Position(_) => {
                 self == Site::Joint
             }
-            Variable::Reading(_) => matches!(self, Site::Sensor | Site::Cell),
+            Variable::Reading(_) => matches!(self, Site::Sensor | Site::Cell | Site::Ground),
         }
     }
 }
@@ -349,13 +351,9 @@ impl Composed {
                 variable => at.beyond(variable, self.about(variable).1),
             };
             if let Some([least, most]) = self.definition.range.get(&variable.to_string()) {
-                // The number in between.
-                let (least, most) = (at.constant(*least), at.constant(-*most));
-                let g = at.g();
-                let above = g.max(value, least);
-                let above = g.neg(above);
-                let inside = g.max(above, most);
-                value = g.neg(inside);
+                let (least, most) = (at.constant(*least), at.constant(*most));
+                let above = at.g().max(value, least);
+                value = at.g().min(above, most);
             }
             variables.insert(variable, value);
         }
@@ -363,6 +361,12 @@ impl Composed {
         let pairs = names.zip(unknowns.iter().copied());
         let formula = &self.definition.function;
         formula.write(at.g(), &variables, &pairs.collect())
+    }
+
+    /// Whether its function is one of the reading, of the CoP where the ground is soft.
+    pub fn reads_cop(&self) -> bool {
+        let variables = self.definition.function.variables();
+        variables.iter().any(|v| matches!(v, Variable::Reading(_)))
     }
 
     /// Whether a robot has all that it names.
@@ -527,6 +531,11 @@ impl Effect for Composed {
                 let by = self.function(target, at, unknowns);
                 at.reading[axis] = at.add(at.reading[axis], by);
             }
+            (Site::Ground, _) if self.reads_cop() => {
+                at.reading = at.free_cop();
+                let by = self.function(target, at, unknowns);
+                at.soften(axis, by);
+            }
             (Site::Ground, _) => {
                 let by = self.function(target, at, unknowns);
                 at.tilt[axis] = at.add(at.tilt[axis], by);
@@ -555,9 +564,7 @@ impl Effect for Composed {
     }
 
     fn undo(&self, target: &Target, at: &mut Measured, unknowns: &[Id]) {
-        let variables = self.definition.function.variables();
-        let of_reading = variables.iter().any(|v| matches!(v, Variable::Reading(_)));
-        if of_reading || self.definition.site != Site::Sensor {
+        if self.reads_cop() || self.definition.site != Site::Sensor {
             return at.solve(|at| self.rewrite(target, at, unknowns));
         }
         let axis = usize::from(*target == Target::Way("y"));

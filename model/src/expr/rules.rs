@@ -190,6 +190,13 @@ impl Graph {
         }
     }
 
+    /// The smaller of `a` and `b`.
+    pub fn min(&mut self, a: Id, b: Id) -> Id {
+        let (a, b) = (self.neg(a), self.neg(b));
+        let larger = self.max(a, b);
+        self.neg(larger)
+    }
+
     /// `|a|`
     pub fn abs(&mut self, a: Id) -> Id {
         let a = match self.expr(a) {

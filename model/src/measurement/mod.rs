@@ -66,6 +66,10 @@ pub struct Measured<'m> {
     pub joints: Vec<Id>,
     /// Gravity's slope against the sole's normal.
     pub tilt: [Id; 2],
+    /// How the ground gives way under the CoP: axis and slope, of a CoP that is free there.
+    soft: Vec<(usize, Id)>,
+    /// The CoP before it does.
+    firm: [Id; 2],
     /// CoP reading, m; none before the sensor stage.
     pub reading: [Id; 2],
     /// Units of the record per metre.
@@ -120,6 +124,8 @@ impl<'m> Measured<'m> {
             straight: joints.clone(),
             joints,
             tilt: [zero; 2],
+            soft: Vec::new(),
+            firm: [zero; 2],
             reading: [zero; 2],
             record_scale: 1.0,
             cells: cells.to_vec(),
@@ -348,9 +354,56 @@ impl<'m> Measured<'m> {
                 *slope = self.add(*slope, more);
             }
         }
+        self.lean_slopes(&mut slopes);
         let rows = slopes.chunks(dof.max(1)).zip(["x", "y"]);
         rows.flat_map(|(row, tag)| self.by_encoders(row, tag))
             .collect()
+    }
+
+    /// The ground falls by a slope along an axis that depends on the CoP, whose coordinates
+    /// [`Measured::free_cop`] has.
+    pub fn soften(&mut self, axis: usize, slope: Id) {
+        self.soft.push((axis, slope));
+    }
+
+    /// The CoP that a soft ground's slope is a function of.
+    pub fn free_cop(&mut self) -> [Id; 2] {
+        [0, 1].map(|axis| self.g().input(Argument::Free, axis))
+    }
+
+    /// Functions of the CoP at the one that presses on the ground.
+    fn under(&mut self, of: &[Id]) -> Vec<Id> {
+        let (free, firm) = (self.free_cop(), self.firm);
+        self.g().substitute(of, &free, &firm)
+    }
+
+    /// What soft ground adds to slopes of the CoP by joints: `z f(p)` with `∂z`, `∂p`.
+    fn lean_slopes(&mut self, slopes: &mut [Id]) {
+        if self.soft.is_empty() {
+            return;
+        }
+        let dof = self.robot().dof();
+        let (height, rising) = {
+            self.at(self.joints.clone(), "");
+            let subtrees = self.scratch.subtrees(Wanted::Rotated);
+            let up = self.scratch.axes_of_support(&[2]);
+            let rising = self.scratch.slopes_along(&up, &subtrees, false);
+            (subtrees[0].v.entries[2], rising)
+        };
+        let firm = slopes.to_vec();
+        let free = self.free_cop();
+        for (axis, slope) in self.soft.clone() {
+            let by_cop = free.map(|x| self.g().derivative(&[slope], x)[0]);
+            let at = self.under(&[slope, by_cop[0], by_cop[1]]);
+            for j in 0..dof {
+                let [x, y] = [0, 1].map(|k| self.mul(at[1 + k], firm[k * dof + j]));
+                let turning = self.add(x, y);
+                let turning = self.mul(height, turning);
+                let more = self.mul(at[0], rising[j]);
+                let more = self.add(more, turning);
+                slopes[axis * dof + j] = self.add(slopes[axis * dof + j], more);
+            }
+        }
     }
 
     /// How far a perfect sensor's reading moves with each joint, x row then y row.
@@ -392,6 +445,12 @@ impl<'m> Measured<'m> {
         }
         for (axis, pulled) in pulled.into_iter().enumerate() {
             self.reading[axis] = self.add(self.reading[axis], pulled);
+        }
+        self.firm = self.reading;
+        for (axis, slope) in self.soft.clone() {
+            let lean = self.under(&[slope])[0];
+            let moved = self.mul(lean, com[2]);
+            self.reading[axis] = self.add(self.reading[axis], moved);
         }
         if self.source != ContextSource::Posture {
             self.set_in_motion(pulled, moving);

@@ -236,6 +236,16 @@ impl Model {
     pub fn cautions(&self) -> Vec<String> {
         let mut cautions = self.implausible();
         cautions.extend(self.left_out());
+        let beyond = self.beyond().into_iter().zip(self.about_beyond());
+        let usual: Vec<String> = beyond
+            .map(|(v, (_, usual))| format!("{v} = {usual:?}"))
+            .collect();
+        if !usual.is_empty() {
+            cautions.push(format!(
+                "effects depend on more than joint positions; taken are {}",
+                usual.join(", ")
+            ));
+        }
         cautions
     }
 

@@ -3,6 +3,7 @@
 //! ```text
 //! φ_j = unloaded_j + … + f(q, τ(φ))        to the fixed point
 //! y   = … + f(p)                           p the reading so far
+//! p   = … + c_z f(p)                       ground that gives way under the pressure at p
 //! ```
 //!
 //! `q` is what all encoders read, `τ` what loads do to the joints (N m, N for prismatic ones).
@@ -25,11 +26,14 @@ pub(super) struct Functions {
     joints: Vec<(usize, Arc<OfJoint>)>,
     /// With the axis that each adds to.
     sensor: Vec<(usize, Arc<OfSensor>)>,
+    /// Slopes along axes.
+    ground: Vec<(usize, Arc<OfSensor>)>,
 }
 
 impl fmt::Debug for Functions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} and {}", self.joints.len(), self.sensor.len())
+        let all = [self.joints.len(), self.sensor.len(), self.ground.len()];
+        write!(f, "{all:?}")
     }
 }
 
@@ -46,12 +50,21 @@ impl Functions {
 
     /// What is added to a reading.
     pub fn added(&self, reading: Vector2<f64>) -> Vector2<f64> {
-        let mut sum = Vector2::zeros();
-        for (axis, function) in &self.sensor {
-            sum[*axis] += function(reading.into());
-        }
-        sum
+        sum(&self.sensor, reading)
     }
+
+    /// The slope of soft ground under a CoP.
+    pub fn slope(&self, cop_m: Vector2<f64>) -> Vector2<f64> {
+        sum(&self.ground, cop_m)
+    }
+}
+
+fn sum(functions: &[(usize, Arc<OfSensor>)], at: Vector2<f64>) -> Vector2<f64> {
+    let mut sum = Vector2::zeros();
+    for (axis, function) in functions {
+        sum[*axis] += function(at.into());
+    }
+    sum
 }
 
 impl World {
@@ -76,6 +89,17 @@ impl World {
         function: impl Fn([f64; 2]) -> f64 + Send + Sync + 'static,
     ) -> Self {
         self.functions.sensor.push((axis, Arc::new(function)));
+        self
+    }
+
+    /// The ground falls off by `function(CoP)` along an axis (0 x, 1 y), as the CoP is without it;
+    /// joints do not lean with it.
+    pub fn ground_function(
+        mut self,
+        axis: usize,
+        function: impl Fn([f64; 2]) -> f64 + Send + Sync + 'static,
+    ) -> Self {
+        self.functions.ground.push((axis, Arc::new(function)));
         self
     }
 }

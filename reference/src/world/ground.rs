@@ -123,8 +123,9 @@ impl World {
         let (com, mass_kg) = self.com_of(joints);
         let weight = self.pull_of_gravity() * mass_kg;
         if self.pulls.is_empty() && inertia.forces.is_empty() {
+            let firm = (com - self.gravity * (com.z / self.gravity.z)).xy();
             return Pressure {
-                at_m: (com - self.gravity * (com.z / self.gravity.z)).xy(),
+                at_m: firm + self.functions.slope(firm) * com.z,
                 total_n: -weight.z,
             };
         }
@@ -137,8 +138,9 @@ impl World {
             force += load.force_n;
             moment += load.at_m.coords.cross(&load.force_n);
         }
+        let firm = Vector2::new(-moment.y, moment.x) / force.z;
         Pressure {
-            at_m: Vector2::new(-moment.y, moment.x) / force.z,
+            at_m: firm + self.functions.slope(firm) * com.z,
             total_n: -force.z,
         }
     }

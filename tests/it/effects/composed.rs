@@ -155,6 +155,15 @@ fn cases() -> Vec<(EffectRecord, Bend)> {
             Box::new(|world, _| world.ground_slope([0.0, 0.02]).unwrap()),
         ),
         (
+            record(
+                "own",
+                "x",
+                (Site::Ground, "s * x + u * y * y"),
+                &[("s", 0.3), ("u", 2.0)],
+            ),
+            Box::new(|world, _| world.ground_function(0, |[x, y]| 0.3 * x + 2.0 * y * y)),
+        ),
+        (
             EffectRecord {
                 at: Some([0.01, -0.02, 0.03]),
                 ..record("own", "body_link", (Site::Load, "m"), &[("m", 0.3)])
