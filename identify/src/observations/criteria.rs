@@ -113,9 +113,9 @@ pub mod accelerations {
 /// Whether readings show the motion of the joints.
 pub mod motion {
     /// Readings are without motion where twice the log likelihood of that is this much larger.
-    /// Chosen: odds of 7 to 1; half of it drops motion that is there, twice as much keeps it
-    /// where it only adds noise.
-    pub const SURE: f64 = 4.0;
+    /// Chosen: odds of 150 to 1, since readings hold it by the laws of mechanics; less than half of it
+    /// drops motion that is there (the study of labs), twice as much keeps it where it only adds noise.
+    pub const SURE: f64 = 10.0;
     /// A share that is off from 1 by less is 1: accelerations are not known better. Chosen: half
     /// of it calls errors of accelerations a share.
     pub const CLEARLY: f64 = 0.1;

@@ -51,7 +51,7 @@ pub struct Log {
 }
 
 impl Log {
-    /// Reads a robot along a track, with noise.
+    /// Reads a robot along a track, with noise; what moves shows it in the CoP.
     pub fn take(
         stage: &Stage,
         world: &World,
@@ -60,6 +60,8 @@ impl Log {
         random: &mut ChaCha8Rng,
     ) -> Log {
         let weight_n = world.nominal_weight();
+        let moving = poses.times.is_some().then(|| world.clone().unsettled());
+        let world = moving.as_ref().unwrap_or(world);
         let readings = if style.repeats { 20 } else { READINGS };
         let mut log = Log {
             joints: stage.joint_names(),

@@ -346,7 +346,8 @@ impl<'m> Block<'m> {
         let is_large = |[low, high]: [[f64; 2]; 2]| {
             (0..2).any(|axis| noise[axis] > LARGE * (high[axis] - low[axis]))
         };
-        match unknown {
+        // Where the position of a joint was taken from readings, they are known that badly.
+        match unknown && data.spent.is_empty() {
             true if noise[0].hypot(noise[1]) >= spread[0].hypot(spread[1]) => {
                 Some(Untold::AsLargeAsSpread)
             }
