@@ -302,6 +302,15 @@ impl MotionPredictor {
     }
 }
 
+/// What the log around postures says of them; nothing where these are empty.
+#[derive(Debug, Default)]
+pub struct InLog {
+    /// Time since the log began, s.
+    pub since_s: Vec<f64>,
+    /// Sides from which joints came, posture by posture.
+    pub sides: Vec<f64>,
+}
+
 /// Predicts CoM and reading of a model with its effects, under any gravity.
 ///
 /// ```text
@@ -325,17 +334,28 @@ impl ReadingPredictor {
         }
     }
 
-    /// CoM (x, y, z) and reading (x, y) of `postures` postures, m, with gravity per posture and
-    /// what motion adds to the CoP; level ground and joints that stand where these are empty.
+    /// CoM (x, y, z) and reading (x, y) of `postures` postures, m, as they stand in `log`, with
+    /// gravity per posture and what motion adds to the CoP; level ground and joints that stand
+    /// where these are empty.
     pub fn run(
         &self,
-        q: &[f64],
-        postures: usize,
+        (q, postures): (&[f64], usize),
+        log: &InLog,
         gravity: &[[f64; 3]],
         shifts: &[[f64; 2]],
     ) -> (Vec<f64>, Vec<f64>) {
         let mut context = vec![0.0; postures * self.layout.len()];
         let width = self.layout.len();
+        for (k, t) in log.since_s.iter().enumerate() {
+            context[k * width + self.layout.time()] = *t;
+        }
+        let sides = log
+            .sides
+            .chunks_exact((log.sides.len() / postures.max(1)).max(1));
+        for (k, sides) in sides.enumerate() {
+            let at = k * width + self.layout.approach(0);
+            context[at..at + sides.len()].copy_from_slice(sides);
+        }
         for axis in 0..2 {
             for (k, g) in gravity.iter().enumerate() {
                 context[k * width + self.layout.tilt(axis)] = -g[axis] / g[2];
@@ -370,7 +390,7 @@ mod tests {
         let model = Stance::new(robot).on("r_sole").model().unwrap();
         let n = 100;
         let q: Vec<f64> = (0..n * model.dof()).map(|k| f64::sin(k as f64)).collect();
-        let (com, cop) = ReadingPredictor::new(&model).run(&q, n, &[], &[]);
+        let (com, cop) = ReadingPredictor::new(&model).run((&q, n), &InLog::default(), &[], &[]);
         assert_eq!(com, Evaluator::new(&model, Function::Com).run(&q, n));
         assert_eq!(cop, Evaluator::new(&model, Function::Cop).run(&q, n));
     }

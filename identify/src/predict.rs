@@ -19,11 +19,12 @@ use sesc_model::tape::{Tape, Values};
 use sesc_model::{Model, MotionCounted};
 
 use crate::Error;
-use crate::evaluate::{FASTEST, MotionPredictor, ReadingPredictor};
+use crate::evaluate::{FASTEST, InLog, MotionPredictor, ReadingPredictor};
 use crate::feet::{Closure, Feet, OtherFoot};
 use crate::logs::{
     Angles, BLOCK, Block, LogSource, Options, PostureReader, Readings, Sidecar, Stays, joints,
 };
+use crate::observations::approach::Approach;
 use crate::observations::motion::{Motion, Wanted};
 use crate::observations::motion_use::MotionModel;
 use crate::observations::moving::Moving;
@@ -111,6 +112,9 @@ pub struct Predictor {
     reader: Moving,
     sidecar: Sidecar,
     evaluators: HashMap<String, Evaluators>,
+    /// What effects of a model may depend on beside q.
+    approach: Approach,
+    began_s: Option<f64>,
 }
 
 /// A robot on one link.
@@ -196,6 +200,8 @@ impl Predictor {
             reader,
             sidecar,
             evaluators: HashMap::new(),
+            approach: Approach::of(&dofs),
+            began_s: None,
         };
         predictor.warn(watch);
         Ok(predictor)
@@ -236,6 +242,14 @@ impl Predictor {
         watch: &mut dyn Watch,
     ) -> Result<Predictions, Error> {
         let dof = block.q.len() / block.len();
+        let times = block.t.as_deref().unwrap_or_default();
+        let began_s = *self
+            .began_s
+            .get_or_insert(times.first().copied().unwrap_or_default());
+        let positions = motion.map_or(&block.q, |motion| &motion.positions);
+        let sides = positions.chunks_exact(dof.max(1));
+        let sides = sides.flat_map(|q| self.approach.at(q).to_vec());
+        let sides: Vec<f64> = sides.collect();
         let on = |row: usize| block.support.as_ref().map_or("", |all| &*all[row]);
         let mut found = Predictions {
             pose: block.pose.clone(),
@@ -255,12 +269,17 @@ impl Predictor {
             }
             let gravity = block.gravity.as_ref();
             let gravity = gravity.map_or(&[][..], |all| &all[start..start + n]);
-            let (com, mut cop) = on_link.readings.run(q, n, gravity, &[]);
+            let own = times.get(start..start + n).unwrap_or_default();
+            let log = InLog {
+                since_s: own.iter().map(|t| t - began_s).collect(),
+                sides: sides[start * dof..(start + n) * dof].to_vec(),
+            };
+            let (com, mut cop) = on_link.readings.run((q, n), &log, gravity, &[]);
             if let Some(motion) = motion {
                 // As a fit and a diagnosis see the joints.
                 let q = &motion.positions[start * dof..(start + n) * dof];
                 let shifts = on_link.shifts(q, motion, start, gravity);
-                cop = on_link.readings.run(q, n, gravity, &shifts).1;
+                cop = on_link.readings.run((q, n), &log, gravity, &shifts).1;
             }
             found.com_m.extend(com.as_chunks().0);
             found.cop_m.extend(cop.as_chunks().0);

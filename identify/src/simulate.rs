@@ -33,8 +33,9 @@ use sesc_model::effects::{Catalog, EffectContext, Parameter, Unit};
 use sesc_model::tree::Dof;
 use sesc_model::{EffectRecord, Model, ModelFile, Quantity};
 
-use crate::evaluate::{MotionPredictor, ReadingPredictor};
+use crate::evaluate::{InLog, MotionPredictor, ReadingPredictor};
 use crate::logs::{BLOCK, LogSource, PostureWriter, Row, Sidecar, Table, Written};
+use crate::observations::approach::Approach;
 use crate::observations::motion_use::MotionModel;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
@@ -120,6 +121,7 @@ impl Request {
         let mut simulator = Simulator::new(&model.tree.dofs, self.range, self.seed);
         let predictor = ReadingPredictor::new(model);
         let dof = model.dof();
+        let mut approach = Approach::of(&model.tree.dofs);
         let numbers = self.numbers.as_ref().filter(|all| all.len() == self.poses);
         let waves = self.rate.map(|_| simulator.waves());
         let moves = waves.is_some() && matches!(self.motion, MotionModel::Auto);
@@ -143,7 +145,13 @@ impl Request {
             let shifts = zmp
                 .as_ref()
                 .map(|zmp| zmp.shifts(&q, n, (&rates, &accelerations)));
-            let (_, readings) = predictor.run(&q, n, &[], &shifts.unwrap_or_default());
+            let times = self.rate.map(|_| (0..n).map(time).collect());
+            let postures = q.chunks_exact(dof.max(1));
+            let log = InLog {
+                since_s: times.unwrap_or_default(),
+                sides: postures.flat_map(|q| approach.at(q).to_vec()).collect(),
+            };
+            let (_, readings) = predictor.run((&q, n), &log, &[], &shifts.unwrap_or_default());
             if readings.iter().any(|x| !x.is_finite()) {
                 return Err(Error::request(BEYOND));
             }

@@ -16,7 +16,7 @@ use sesc_reference::World;
 use crate::Error;
 use crate::report::HiddenAct;
 use sesc_identify::diagnose::{self, Request};
-use sesc_identify::evaluate::{Evaluator, ReadingPredictor};
+use sesc_identify::evaluate::{Evaluator, InLog, ReadingPredictor};
 use sesc_identify::logs::Table;
 use sesc_identify::observations::rms;
 use sesc_identify::plan::Geometry;
@@ -74,7 +74,7 @@ pub fn run(robot: &Robot, model: &Model, seed: u64) -> Result<HiddenAct, Error> 
     let (report, corrected, code) = repaired?;
     let cad = Evaluator::new(model, Function::Cop).run(judged, JUDGED);
     let better = ReadingPredictor::new(&corrected);
-    let better = better.run(judged, JUDGED, &[], &[]).1;
+    let better = better.run((judged, JUDGED), &InLog::default(), &[], &[]).1;
     let error = |found: &[f64]| rms(found.iter().zip(cop.as_flattened()).map(|(a, b)| a - b));
     let distance = |model: &Model| {
         let found = Evaluator::new(model, Function::Com).run(judged, JUDGED);

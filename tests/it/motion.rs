@@ -8,7 +8,7 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::{self, Diagnosis, Verdict};
-use sesc_identify::evaluate::{MotionPredictor, ReadingPredictor};
+use sesc_identify::evaluate::{InLog, MotionPredictor, ReadingPredictor};
 use sesc_identify::fit::{Identification, MotionModel, fit};
 use sesc_identify::logs::{LogSource, Table};
 use sesc_identify::predict;
@@ -382,7 +382,9 @@ fn a_delay_is_found_in_a_long_log() {
     let [q, rates, gains] = [0, 1, 2].map(|order| all(order, DELAY_S));
     let shifts = moving.shifts(&q, rows as usize, (&rates, &gains));
     let cop = ReadingPredictor::new(&model);
-    let cop = cop.run(&q, rows as usize, &[], &shifts).1;
+    let cop = cop
+        .run((&q, rows as usize), &InLog::default(), &[], &shifts)
+        .1;
     let mut random = ChaCha8Rng::seed_from_u64(21);
     let noise = [5e-4; 2].map(|std| draw(Kind::White, std, &times, &mut random));
     let seen = all(0, 0.0);

@@ -10,7 +10,7 @@
 
 use std::borrow::Cow;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 
 use super::criteria;
 use super::hypothesis::{Term, effect_terms};
@@ -124,6 +124,12 @@ impl Dictionary {
             let left = problem.project_out(masses, &slopes);
             each(some, &slopes, &left);
         }
+    }
+
+    /// Each candidate's term with its slopes, whitened.
+    pub(super) fn of_each(&self) -> impl Iterator<Item = (&Term, DMatrixView<'_, f64>)> {
+        let of = |c: &Candidate| self.slopes.columns(c.from, c.count);
+        self.candidates.iter().map(move |c| (&c.term, of(c)))
     }
 
     /// χ² that each candidate of ordinary size would have in this log.

@@ -15,7 +15,7 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 use sesc_model::effects::{
-    self, Carry, EffectContext, Experiment, Fitted, Instance, Stage, Target, Value,
+    self, Carry, EffectContext, EffectId, Experiment, Fitted, Instance, Stage, Target, Value,
 };
 
 /// One term of a hypothesis.
@@ -194,13 +194,22 @@ impl Term {
     }
 
     /// Order among terms: that of the catalog, then the models, then targets.
-    pub(super) fn rank(&self, context: &EffectContext) -> (usize, Target) {
+    pub(super) fn rank(&self, context: &EffectContext) -> (usize, Target, EffectId) {
         let effects = context.catalog.iter().len();
+        let id = EffectId::new(self.name());
         match self {
-            Term::Effect(i) => (context.catalog.rank(i.effect.id()), i.target.clone()),
-            Term::Outliers => (effects, Target::Whole),
-            Term::Masses => (effects + 1, Target::Whole),
+            Term::Effect(i) => {
+                let id = i.effect.id();
+                (context.catalog.rank(id), i.target.clone(), id)
+            }
+            Term::Outliers => (effects + 1, Target::Whole, id),
+            Term::Masses => (effects + 2, Target::Whole, id),
         }
+    }
+
+    /// Whether it is a function at a site.
+    pub(super) fn is_composed(&self) -> bool {
+        self.effect().is_some_and(|i| i.effect.composed().is_some())
     }
 
     /// Whether it may stand beside another: not twice, not one joint and all joints

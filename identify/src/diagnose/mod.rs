@@ -11,6 +11,7 @@ mod diagnosis;
 mod dictionary;
 mod experiment;
 mod findings;
+mod functions;
 mod held_out;
 mod hypothesis;
 mod leftover;

@@ -19,7 +19,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use sesc_model::effects::{Catalog, Instance, Stage, Target};
+use sesc_model::effects::{Catalog, Instance, PostureContext, Stage, Target};
 use sesc_model::formula::Variable;
 use sesc_model::{EffectRecord, Function, ModelFile, Quantity};
 
@@ -123,6 +123,10 @@ fn ranges(problem: &Problem, instance: &Instance) -> BTreeMap<String, [f64; 2]> 
             column(&data.q, dofs.len(), joint)
         }
         (Variable::Reading(axis), _) => column(&data.reading, 2, *axis),
+        (Variable::Time, _) => {
+            let layout = PostureContext::of(problem.context().robot);
+            column(&data.posture_context, layout.len(), layout.time())
+        }
         (Variable::Moment(None), Target::Joint(joint)) => column(&moments(), dofs.len(), *joint),
         (Variable::Moment(Some(name)), _) => {
             let joint = dofs.iter().position(|dof| dof.joint == *name)?;

@@ -86,6 +86,11 @@ impl Nuisance {
         &self.k
     }
 
+    /// L of A = L Lᵀ.
+    pub(super) fn factor(&self) -> &Cholesky<f64, Dyn> {
+        &self.factor
+    }
+
     /// The same directions where rows count `weight` times their inverse deviation.
     pub(super) fn reweighted(&self, weight: &[f64]) -> Nuisance {
         let mut k = self.k.clone();

@@ -51,6 +51,8 @@ pub(super) struct Problem<'m> {
     pub offset_stds: Vec<f64>,
     /// How many targets each kind of effect has.
     targets: BTreeMap<EffectId, usize>,
+    /// How many functions beyond the list are tried.
+    pub functions: usize,
     /// Masses are known as tolerances of CAD alone.
     pub masses_are_cad: bool,
 }
@@ -195,6 +197,7 @@ impl<'m> Problem<'m> {
         }
         let mut problem = Problem {
             targets,
+            functions: 0,
             masses_are_cad: matches!(prior, Prior::Cad(_)),
             priors: [known(prior), known(&Prior::Cad(Tolerances::usual()))],
             target_weights: HashMap::new(),
@@ -378,7 +381,14 @@ impl<'m> Problem<'m> {
         let readings = self.independent();
         let kinds = self.targets.len() + hypothesis::MODEL_PAGES.len();
         let targets = |term: &Term| self.targets.get(&term.effect()?.effect.id()).copied();
+        let is_listed = |term: &Term| match term.effect() {
+            Some(own) => self.targets.contains_key(&own.effect.id()),
+            None => true,
+        };
         let of = |term: &Term| {
+            if !is_listed(term) {
+                return self.price_of_function(term.unknowns(self.context()));
+            }
             let own = self.target_weights.get(term).copied();
             let weight = own.unwrap_or_else(|| 1.0 / targets(term).unwrap_or(1) as f64);
             let unknowns = term.penalised_unknowns(self.context());
@@ -387,6 +397,13 @@ impl<'m> Problem<'m> {
             own.map_or(searched, |own| own.min(searched))
         };
         terms.iter().map(of).sum()
+    }
+
+    /// What a function beyond the list costs, of so many unknowns: `p ln 2N + 2 ln K`, K the number
+    /// tried, and that it is less plain than an effect of the list.
+    pub(super) fn price_of_function(&self, unknowns: usize) -> f64 {
+        let searched = 2.0 * (self.functions.max(1) as f64).ln();
+        unknowns as f64 * self.independent().ln() + searched + criteria::functions::UNNAMED
     }
 
     /// A hypothesis with one term more, which changes its objective, to first order.

@@ -12,6 +12,7 @@ use nalgebra::DVector;
 use sesc_model::effects::Stage;
 
 use super::dictionary::{Candidate, Dictionary};
+use super::functions::Functions;
 use super::hypothesis::{Term, sorted};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
@@ -26,6 +27,7 @@ pub(super) struct Search<'m> {
     pub problem: Arc<Problem<'m>>,
     known: HashMap<Vec<Term>, Fit>,
     base: Dictionary,
+    functions: Functions,
     /// χ² that each effect of ordinary size would have in this log.
     pub visible: Vec<(Term, f64)>,
     /// Hypotheses fitted so far.
@@ -35,6 +37,8 @@ pub(super) struct Search<'m> {
 impl<'m> Search<'m> {
     pub(super) fn new(mut problem: Problem<'m>) -> Self {
         let base = Dictionary::new(&problem, None);
+        let functions = Functions::new(&problem, &base);
+        problem.functions = functions.tried();
         let visible = base.visible(&problem);
         problem.weigh_targets(&visible);
         let null = problem.fit(&[], None, ALL);
@@ -43,6 +47,7 @@ impl<'m> Search<'m> {
             problem: Arc::new(problem),
             known: HashMap::new(),
             base,
+            functions,
             visible,
             fitted: 0,
         }
@@ -120,6 +125,38 @@ impl<'m> Search<'m> {
                 break;
             }
         }
+        self.reexamine_all(watch)?;
+        if self.look_beyond(watch)? {
+            self.reexamine_all(watch)?;
+        }
+        Ok(self.ranked())
+    }
+
+    /// Functions beyond the list, beside nothing and beside the best; whether they do better.
+    fn look_beyond(&mut self, watch: &mut dyn Watch) -> Result<bool, Error> {
+        let first = self.best_score();
+        for _ in 0..criteria::TOO_MANY_EFFECTS {
+            let before = self.best_score();
+            let mut parents = vec![self.fit(&[], None)];
+            let best = self.ranked().into_iter();
+            let best = best.filter(|fit| !fit.terms.is_empty());
+            parents.extend(best.take(criteria::functions::BESIDE));
+            let mut proposals = Vec::new();
+            for parent in &parents {
+                proposals.extend(self.functions.proposals(parent, &self.problem));
+                if parent.terms.iter().any(Term::is_composed) {
+                    proposals.extend(self.extensions(parent, criteria::LATER));
+                }
+            }
+            self.refine(proposals, 2, watch)?;
+            if self.best_score() >= before - 1e-6 {
+                break;
+            }
+        }
+        Ok(self.best_score() < first - 1e-6)
+    }
+
+    fn reexamine_all(&mut self, watch: &mut dyn Watch) -> Result<(), Error> {
         for _ in 0..criteria::EXAMINED {
             let before = self.best_score();
             self.reexamine(watch)?;
@@ -127,7 +164,7 @@ impl<'m> Search<'m> {
                 break;
             }
         }
-        Ok(self.ranked())
+        Ok(())
     }
 
     pub(super) fn ranked(&self) -> Vec<Fit> {

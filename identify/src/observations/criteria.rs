@@ -19,6 +19,15 @@ pub const OVER_NOTHING: f64 = 4.0;
 /// side (closed form); half of it one of 22.
 pub const CERTAIN: f64 = 4.0;
 
+/// From which side joints came to where they stand.
+pub mod approach {
+    /// A move counts from this on, rad. Chosen: three deviations of an encoder that is good to
+    /// 0.07°; half of it takes noise for moves, twice as much misses small ones.
+    pub const LEAST_RAD: f64 = 3.5e-3;
+    /// The same of a joint that slides, m. Chosen: as for the angle.
+    pub const LEAST_M: f64 = 2e-4;
+}
+
 /// How many independent samples a log in time is worth.
 pub mod correlation {
     /// Windows are tried on several lengths: they must gain more. Chosen: half of it finds

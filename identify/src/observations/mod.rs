@@ -6,6 +6,7 @@
 //!    └──▶ rows (regressor, tilt, supports)      postures (a log in memory)
 //! ```
 
+pub(crate) mod approach;
 pub(crate) mod correlation;
 pub(crate) mod criteria;
 pub(crate) mod grouping;

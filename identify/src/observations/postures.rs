@@ -14,6 +14,7 @@ use std::sync::Arc;
 use sesc_model::Model;
 use sesc_model::effects::PostureContext;
 
+use super::approach::Approach;
 use super::correlation::Correlation;
 use super::grouping::{DOWN, moved_sentence};
 use super::motion::{Motion, Wanted};
@@ -146,6 +147,7 @@ impl Postures {
         let mut reader = Moving::planned(samples.rows()?, dof, HEAD, Wanted::Changes)?;
         let support = model.support();
         let mut gathering = Gathering::new(samples.options.any_unit);
+        let mut approach = Approach::of(&model.tree.dofs);
         let [mut stated, mut timed, mut raw, mut contacts] = [false; 4];
         let (mut elsewhere, mut taken) = (BTreeMap::<String, u64>::new(), 0_u64);
         // Time and number of the posture that was taken last.
@@ -163,6 +165,8 @@ impl Postures {
             contacts |= block.other.is_some();
             let positions = motion.as_ref().map_or(&block.q, |motion| &motion.positions);
             for k in 0..block.len() {
+                let q = &positions[k * dof..(k + 1) * dof];
+                let sides = approach.at(q);
                 let on = block.support.as_ref().map_or("", |all| &all[k]);
                 if !on.is_empty() && on != support {
                     *elsewhere.entry(on.to_string()).or_default() += 1;
@@ -181,13 +185,14 @@ impl Postures {
                 let row = Posture {
                     pose: now.1,
                     rows: 1.0,
-                    q: positions[k * dof..(k + 1) * dof].to_vec(),
+                    q: q.to_vec(),
                     sum: reading,
                     variance: std.map(|s| s * s),
                     t: now.0,
                     tilt: rows::tilt(gravity),
                     other: block.other.as_ref().map_or([0.0; 3], |all| all[k]),
                     moving: Motions::of(motion.as_ref(), k, dof),
+                    sides: sides.to_vec(),
                 };
                 gathering.push(row, gravity, std);
             }
@@ -303,6 +308,10 @@ impl Postures {
             let q = posture.mean();
             let u = &mut data.posture_context[k * layout.len()..(k + 1) * layout.len()];
             u[layout.place()] = gathering.place(k, timed);
+            u[layout.time()] = gathering.since(k, timed);
+            for (joint, side) in posture.sides.iter().enumerate() {
+                u[layout.approach(joint)] = side / posture.rows;
+            }
             for axis in 0..2 {
                 u[layout.tilt(axis)] = posture.tilt[axis];
                 data.reading.push(posture.sum[axis] / posture.rows);
@@ -372,6 +381,7 @@ impl Postures {
     pub fn limit_motion_noise(&mut self, left: &[f64], taken: f64) {
         let Some(moved) = &mut self.moved else { return };
         let share = (1.0 - taken / left.len() as f64).max(0.1).sqrt();
+        let is_known = self.noise_source != NoiseSource::Residuals;
         let factors = [0, 1].map(|axis| {
             let own: Vec<f64> = left
                 .iter()
@@ -388,8 +398,18 @@ impl Postures {
             // Squares of normal values scatter by √2 of their mean; what is said stands unless that
             // is not the reason.
             let unsure = 2.0 * std::f64::consts::SQRT_2 * size / spread.sqrt();
+            // What is more than known noise is motion's before it is anything else's.
+            let over_noise = match is_known {
+                true => {
+                    let stds = self.std.iter().skip(axis).step_by(2);
+                    size - stds.map(|std| std * std).sum::<f64>() / count + mean
+                }
+                false => 0.0,
+            };
             let by_motion = match spread > 1e-6 * count * mean * mean {
-                true => (pull.sum::<f64>() / spread + unsure).clamp(0.0, 1.0),
+                true => (pull.sum::<f64>() / spread + unsure)
+                    .max(over_noise / mean)
+                    .clamp(0.0, 1.0),
                 false => 1.0,
             };
             // Odd values do not count.

@@ -407,8 +407,10 @@ fn starts(definition: &Definition) -> Vec<Vec<f64>> {
     let without = |k: usize| {
         let mut values = typical.clone();
         values[k] = 0.0;
-        // Where no variable is special.
-        [0.7, -0.6].iter().all(|at| value(&values, *at) == 0.0)
+        // Where no variable is special, nor all of them too small or too large to count.
+        let sizes = [-2, -1, 0, 1, 2, 3].map(|k| libm::pow(10.0, f64::from(k)));
+        let mut at = sizes.into_iter().flat_map(|size| [0.7 * size, -0.6 * size]);
+        at.all(|at| value(&values, at) == 0.0)
     };
     let sizes: Vec<bool> = (0..constants.len()).map(without).collect();
     if sizes.iter().all(|is_size| *is_size) {
@@ -473,7 +475,14 @@ impl Effect for Composed {
             all.retain(|target| named.contains(&context.name_of(target)));
         }
         // What fits are not told of.
-        all.retain(|target| !context.is_fitted || self.beyond(robot, target).is_empty());
+        if let Some(timed) = context.fitted {
+            let is_told = |variable: &Variable| match variable {
+                Variable::Time => timed,
+                Variable::Column(_) => false,
+                _ => true,
+            };
+            all.retain(|target| self.beyond(robot, target).iter().all(is_told));
+        }
         all
     }
 

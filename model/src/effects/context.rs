@@ -56,9 +56,9 @@ pub struct EffectContext<'m> {
     /// Whether readings are compared with the ZMP, so that loads are accelerated with their
     /// links.
     pub moving: bool,
-    /// Whether effects are fitted to the log: time, approach and further columns are no inputs of
+    /// Whether effects are fitted to a log, and that has times: further columns are no inputs of
     /// fits.
-    pub(super) is_fitted: bool,
+    pub(super) fitted: Option<bool>,
     /// Rounds in which joints give way.
     pub rounds: usize,
     /// The effects that are known.
@@ -89,7 +89,7 @@ impl<'m> EffectContext<'m> {
             cells: cells.to_vec(),
             times,
             moving: false,
-            is_fitted: false,
+            fitted: None,
             rounds: ROUNDS,
             catalog,
             links: robot.chain.bodies.iter().filter_map(heaviest).collect(),
@@ -97,9 +97,9 @@ impl<'m> EffectContext<'m> {
         }
     }
 
-    /// The same where effects are fitted to the log.
-    pub fn fitted(mut self) -> EffectContext<'m> {
-        self.is_fitted = true;
+    /// The same where effects are fitted to a log, which may have times.
+    pub fn fitted(mut self, timed: bool) -> EffectContext<'m> {
+        self.fitted = Some(timed);
         self
     }
 

@@ -4,8 +4,8 @@ use crate::robot::Robot;
 
 /// Layout of what a posture has beside its joint positions, in this order:
 /// place in the log, tilt (2), what motion adds (2), its first and second derivative in time (2
-/// each), lift, velocities, accelerations, sides of dead bands, slopes of what motion adds (2 per
-/// joint).
+/// each), lift, time, velocities, accelerations, sides of dead bands, slopes of what motion adds (2
+/// per joint), sides of approach.
 #[derive(Debug, Clone, Copy)]
 pub struct PostureContext {
     dof: usize,
@@ -24,7 +24,7 @@ impl PostureContext {
 
     /// Entries per posture.
     pub fn len(self) -> usize {
-        10 + 5 * self.dof
+        11 + 6 * self.dof
     }
 
     /// Always false, since a posture always has a tilt.
@@ -59,25 +59,35 @@ impl PostureContext {
         9
     }
 
+    /// Time since the first posture of the log, s.
+    pub fn time(self) -> usize {
+        10
+    }
+
     /// Velocity of a joint, rad/s or m/s.
     pub fn rate(self, dof: usize) -> usize {
-        10 + dof
+        11 + dof
     }
 
     /// Acceleration of a joint, rad/s² or m/s².
     pub fn acceleration(self, dof: usize) -> usize {
-        10 + self.dof + dof
+        11 + self.dof + dof
     }
 
     /// Which side of its dead band a joint rests on, −1 to 1.
     pub fn side(self, dof: usize) -> usize {
-        10 + 2 * self.dof + dof
+        11 + 2 * self.dof + dof
     }
 
     /// How what motion adds to the CoP on an axis changes with the position of a joint, m/rad
     /// or 1.
     pub fn shift_slope(self, dof: usize, axis: usize) -> usize {
-        10 + 3 * self.dof + 2 * dof + axis
+        11 + 3 * self.dof + 2 * dof + axis
+    }
+
+    /// Side from which a joint came to where it stands, −1 to 1.
+    pub fn approach(self, dof: usize) -> usize {
+        11 + 5 * self.dof + dof
     }
 }
 

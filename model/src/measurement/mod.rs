@@ -163,10 +163,23 @@ impl<'m> Measured<'m> {
         self.scratch.g.input(Argument::Context, index)
     }
 
-    /// What a formula finds beside positions and readings: an input of code that takes it, else
-    /// `usual`.
+    /// What a formula finds beside positions and readings: an input of code that takes it, in a
+    /// log what that has of it, else `usual`.
     pub(crate) fn beyond(&mut self, variable: &Variable, usual: f64) -> Id {
-        match self.beyond.iter().position(|known| known == variable) {
+        if let Some(place) = self.beyond.iter().position(|known| known == variable) {
+            return self.posture_context(place);
+        }
+        let layout = PostureContext::of(self.robot());
+        let joint = |name: &str| {
+            let mut dofs = self.robot().tree.dofs.iter();
+            dofs.position(|dof| dof.joint == name)
+        };
+        let place = match variable {
+            Variable::Time => Some(layout.time()),
+            Variable::Approach(Some(name)) => joint(name).map(|joint| layout.approach(joint)),
+            _ => None,
+        };
+        match place.filter(|_| self.source != ContextSource::Posture) {
             Some(place) => self.posture_context(place),
             None => self.constant(usual),
         }

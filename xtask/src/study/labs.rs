@@ -34,7 +34,7 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                 let found = &said.diagnosis;
                 let note = format!(
                     "seed {seed} {kind}: mm CAD {:.2} expert {:.2} fit {:.2} diagnose {:.2}, {} {:?}, \
-                     noise {:.2} of gap {:.2}, worth {}",
+                     noise {:.2} of gap {:.2}, worth {}; {}",
                     1e3 * said.cad,
                     1e3 * said.expert,
                     1e3 * said.fit,
@@ -44,6 +44,7 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                     1e3 * found.noise,
                     1e3 * found.baseline.rmse,
                     found.samples.independent,
+                    found.motion.sentence,
                 );
                 let worst = over(said.fit.max(said.diagnosed));
                 Ok(Answer {

@@ -18,6 +18,7 @@ mod health;
 mod labs;
 mod motion;
 mod recordings;
+mod unlisted;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -36,10 +37,11 @@ type Scenario = (
     u64,
     Option<for<'a> fn(&'a Asked) -> Plan<'a>>,
 );
-const SCENARIOS: [Scenario; 10] = [
+const SCENARIOS: [Scenario; 11] = [
     ("effects", 400, 800_000, None),
     ("bought", 400, 1, Some(bought::plan)),
     ("com", 150, 1, Some(com::plan)),
+    ("unlisted", 20, 1, Some(unlisted::plan)),
     ("labs", 20, 1, Some(labs::plan)),
     ("recordings", 8, 1, Some(recordings::plan)),
     ("motion", 1, 1, Some(motion::plan)),
@@ -52,7 +54,7 @@ const SCENARIOS: [Scenario; 10] = [
 /// What to ask how often.
 #[derive(Args)]
 pub struct Study {
-    /// effects, bought, com, labs, recordings, motion, false-alarms, fast-alarms, health or fleet
+    /// effects, bought, com, unlisted, labs, recordings, motion, false-alarms, fast-alarms, health or fleet
     #[arg(value_parser = SCENARIOS.map(|scenario| scenario.0))]
     scenario: String,
     /// Number of logs, or of logs of each kind; that of the committed table unless given

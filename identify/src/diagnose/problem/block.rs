@@ -129,7 +129,8 @@ impl<'m> Block<'m> {
         effects: &Catalog,
     ) -> Block<'m> {
         let times = data.motion.is_some();
-        let mut context = EffectContext::new(model, &data.cells, times, effects.clone()).fitted();
+        let mut context =
+            EffectContext::new(model, &data.cells, times, effects.clone()).fitted(data.t.is_some());
         context.moving = data.moved.is_some();
         let n = data.len();
         let mut rows = CopRows::new(model).of(&data.q, n, Some(&tilts(&data, model)));
@@ -206,7 +207,8 @@ impl<'m> Block<'m> {
         let (cells, times) = (&self.data.cells, self.data.motion.is_some());
         Block {
             params: model.cad_params(),
-            context: EffectContext::new(model, cells, times, self.context.catalog.clone()).fitted(),
+            context: EffectContext::new(model, cells, times, self.context.catalog.clone())
+                .fitted(self.data.t.is_some()),
             model,
             tapes: Arc::default(),
             ..self.clone()

@@ -179,6 +179,7 @@ fn what_is_not_in_the_list_stays_unexplained_and_names_its_joint() {
         [5e-3, -4e-3].map(|a| a * (3.0 * q[knee]).sin())
     });
     let found = diagnosed(&mut bench.problem(data, "tight")).diagnosis;
+    println!("{}\n{:?}", found.sentence, found.leftover);
     assert_eq!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
     assert!(found.unexplained);
     let first = Suspect::Position("r_knee".to_string());

@@ -27,6 +27,8 @@ pub(super) struct Posture {
     /// Σ of what the other foot has of the load, and of that times its CoP, m.
     pub(super) other: [f64; 3],
     pub(super) moving: Motions,
+    /// Σ of the sides from which joints came; empty where these are not known.
+    pub(super) sides: Vec<f64>,
 }
 
 /// Sums of velocities, accelerations, their variances, those of positions, and of the first and
@@ -91,6 +93,7 @@ impl Posture {
         add(&mut self.variance, &row.variance);
         add(&mut self.other, &row.other);
         self.moving.join(&row.moving);
+        add(&mut self.sides, &row.sides);
     }
 }
 
@@ -223,6 +226,14 @@ impl Gathering {
             motion.extend(one, 1, dof);
         }
         motion
+    }
+
+    /// Time of a posture since the log began, s; 0 where there are no times.
+    pub(super) fn since(&self, k: usize, timed: bool) -> f64 {
+        match timed {
+            true => self.kept[k].t - self.span.0,
+            false => 0.0,
+        }
     }
 
     /// Place of a posture in the log, 0 to 1: by time, by number where numbers

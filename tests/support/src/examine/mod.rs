@@ -4,6 +4,7 @@ pub mod bought;
 pub mod com;
 pub mod labs;
 pub mod recordings;
+pub mod unlisted;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
