@@ -115,6 +115,8 @@ pub struct Predictor {
     /// What effects of a model may depend on beside q.
     approach: Approach,
     began_s: Option<f64>,
+    /// Whether motion adds nothing to readings.
+    is_static: bool,
 }
 
 /// A robot on one link.
@@ -187,12 +189,9 @@ impl Predictor {
         let sidecar = reader.sidecar.clone();
         // As readings counted that the parameters are from.
         let counted = stance.parameters.as_ref().and_then(|file| file.motion);
-        let is_static = counted == Some(MotionCounted::Static);
         let reader = match motion {
-            MotionModel::Auto if !is_static => {
-                Moving::planned(reader, dofs.len(), HEAD, Wanted::Alone)?
-            }
-            _ => Moving::new(reader, dofs.len(), None, Wanted::Alone),
+            MotionModel::Auto => Moving::planned(reader, dofs.len(), HEAD, Wanted::Alone)?,
+            MotionModel::Off => Moving::new(reader, dofs.len(), None, Wanted::Alone),
         };
         let mut predictor = Predictor {
             stance,
@@ -202,6 +201,7 @@ impl Predictor {
             evaluators: HashMap::new(),
             approach: Approach::of(&dofs),
             began_s: None,
+            is_static: counted == Some(MotionCounted::Static),
         };
         predictor.warn(watch);
         Ok(predictor)
@@ -255,7 +255,7 @@ impl Predictor {
             pose: block.pose.clone(),
             ..Predictions::default()
         };
-        let mut start = 0;
+        let (mut start, is_static) = (0, self.is_static);
         while start < block.len() {
             let link = on(start);
             let n = (start..block.len()).take_while(|row| on(*row) == link);
@@ -278,7 +278,10 @@ impl Predictor {
             if let Some(motion) = motion {
                 // As a fit and a diagnosis see the joints.
                 let q = &motion.positions[start * dof..(start + n) * dof];
-                let shifts = on_link.shifts(q, motion, start, gravity);
+                let shifts = match is_static {
+                    true => Vec::new(),
+                    false => on_link.shifts(q, motion, start, gravity),
+                };
                 cop = on_link.readings.run((q, n), &log, gravity, &shifts).1;
             }
             found.com_m.extend(com.as_chunks().0);

@@ -120,13 +120,13 @@ pub(super) mod functions {
     /// Parts of the values of a variable at which functions begin. Chosen: the fit moves them.
     pub const PARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
     /// Values at which a function that is fitted may begin. Chosen: it costs time.
-    pub const STARTS: usize = 200;
+    pub const STARTS: usize = 100;
     /// Parts of the log that a decay lasts. Chosen: the fit moves them.
     pub const SIZES: [f64; 3] = [0.1, 0.3, 1.0];
     /// Joints that an error of another may follow, the nearest first. Chosen: it costs time.
     pub const NEAREST: usize = 32;
     /// Postures that are looked at. Chosen: it costs time.
-    pub const POSTURES: usize = 400;
+    pub const POSTURES: usize = 300;
     /// Functions that are fitted beside one explanation, of one place and of all. Chosen: it costs
     /// time; with fewer the right form may not be fitted.
     pub const OF_A_PLACE: usize = 3;

@@ -16,7 +16,7 @@ use super::model_file::{settle, unsettled_reason};
 use super::outliers::Outliers;
 use super::problem::{ALL, Fit, Problem, Untold};
 use super::remedy::Remedy;
-use super::search::Search;
+use super::search::{Beyond, Search};
 use super::words::{self, capital};
 use super::{com_spread, criteria, held_out, noise};
 use crate::Error;
@@ -28,13 +28,14 @@ use crate::observations::sample_count::SampleCount;
 use crate::threads::each_long;
 use crate::watch::Watch;
 
-/// What is missing in the logs.
+/// What is missing in the logs; whether functions beyond the list are tried.
 ///
 /// # Errors
 /// When `watch` stops the search.
 pub(super) fn find<'m>(
     whole_problem: &mut Problem<'m>,
     about: &About,
+    beyond: Beyond,
     watch: &mut dyn Watch,
 ) -> Result<Explained, Error> {
     let mut search = Search::new(whole_problem.clone());
@@ -48,7 +49,7 @@ pub(super) fn find<'m>(
     // Whatever explains broken data explains nothing.
     let (mut ranked, implausible) = match about.usable && !hopeless {
         true => {
-            let mut ranked = search.run(watch)?;
+            let mut ranked = search.run(beyond, watch)?;
             // More postures are outliers than outliers can explain.
             let outliers = |fit: &Fit| fit.outliers.as_ref().map_or(0, |o| o.named().len());
             let most = criteria::OUTLIER_SHARE * whole_problem.data().len() as f64;
@@ -113,6 +114,7 @@ pub(super) fn find<'m>(
         rows_per_sample: first.rows_per_sample(),
     };
     let members = members(problem, &class);
+    let places = by_place(problem, &class);
     let (own, settled) = settle(problem, &best);
     let own = match own {
         Cow::Owned(own) => Some(own),
@@ -133,7 +135,7 @@ pub(super) fn find<'m>(
     }
     let problem = &*whole_problem;
     let closure = closure_found(problem, &null, &best);
-    let verdict = match (unexplained, best.terms.is_empty(), class.len()) {
+    let verdict = match (unexplained, best.terms.is_empty(), places.len()) {
         _ if !about.usable => Verdict::Unusable,
         _ if untold.is_some() => Verdict::TooShort,
         (true, _, _) => Verdict::Unexplained,
@@ -188,7 +190,8 @@ pub(super) fn find<'m>(
             rmse_y: end.gap.rmse_y,
             left_out: end.left_out,
         },
-        indistinguishable: members.iter().map(|one| one.effects.clone()).collect(),
+        indistinguishable: places.iter().map(|own| own.0.clone()).collect(),
+        forms: places.into_iter().map(|own| own.1).collect(),
         class: members,
         absorbed_by_masses: absorbed,
         unexplained,
@@ -392,6 +395,8 @@ fn steps_told(
             effect: term.name(),
             target: term.target_name(context),
             acts_on: ActsOn::of(term, context),
+            site: term.form().0,
+            function: term.form().1,
             parameters: values.iter().copied().collect(),
             fitted: term.fitted(context),
             rmse_before,
@@ -440,6 +445,32 @@ fn members(problem: &Problem, class: &[Fit]) -> Vec<Member> {
     };
     let some = class.iter().filter(|fit| !fit.terms.is_empty());
     some.map(member).collect()
+}
+
+/// The explanations of a class by their effects, those that differ only in the functions at their
+/// places once; with the functions of each.
+fn by_place(problem: &Problem, class: &[Fit]) -> Vec<(Vec<String>, Vec<String>)> {
+    let context = problem.context();
+    let place = |term: &Term| match term.is_composed() {
+        true => format!("{} {}", term.form().0, term.own_target(context)),
+        false => term.label(context),
+    };
+    let mut seen: Vec<Vec<String>> = Vec::new();
+    let mut all: Vec<(Vec<String>, Vec<String>)> = Vec::new();
+    for fit in class.iter().filter(|fit| !fit.terms.is_empty()) {
+        let places: Vec<String> = fit.terms.iter().map(place).collect();
+        let functions = fit.terms.iter().filter(|term| term.is_composed());
+        let functions = functions.map(|term| term.form().1);
+        match seen.iter().position(|known| *known == places) {
+            Some(k) => all[k].1.extend(functions),
+            None => {
+                let labels = fit.terms.iter().map(|term| term.label(context));
+                all.push((labels.collect(), functions.collect()));
+                seen.push(places);
+            }
+        }
+    }
+    all
 }
 
 /// Joint offsets with the size from which this log shows them: those that it hardly shows, the

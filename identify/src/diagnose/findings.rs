@@ -80,6 +80,11 @@ pub struct Step {
     /// The same by its kind.
     #[serde(skip)]
     pub acts_on: ActsOn,
+    /// Where it adds something: joint, sensor, ground, load or cell; `record` where it is of the
+    /// log.
+    pub site: String,
+    /// What it adds there, as a formula.
+    pub function: String,
     /// Its parameters by name, which ends in the unit: `offset_rad`.
     pub parameters: BTreeMap<&'static str, Quantity>,
     /// What is fitted for each of them: zero where there is no effect.
@@ -393,8 +398,10 @@ pub struct Diagnosis {
     /// Held-out errors of the whole explanation.
     #[serde(rename = "final")]
     pub last: Last,
-    /// Effects of each of them.
+    /// Effects of each of them, those of one place that differ in form alone once.
     pub indistinguishable: Vec<Vec<String>>,
+    /// Of each of these the functions beyond the list that its place may have, as formulas.
+    pub forms: Vec<Vec<String>>,
     /// Explanations that data cannot tell apart.
     pub class: Vec<Member>,
     /// RMS that masses take, m.

@@ -12,7 +12,9 @@
 //! joint has a twin that corrects the reading and not the body.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
-use sesc_model::effects::{Composed, Constant, Definition, Instance, PostureContext, Site, Target};
+use sesc_model::effects::{
+    Composed, Constant, Definition, Instance, PostureContext, Site, Target, Unit,
+};
 use sesc_model::formula::Formula;
 
 use super::criteria::functions::{
@@ -73,8 +75,8 @@ impl Shape {
         }
     }
 
-    /// As a formula of `v` with its own constants.
-    fn text(self, v: &str) -> String {
+    /// As a formula of `v` with its own constant.
+    fn text(self, v: &str, own: &str) -> String {
         let number = |n: f64| format!("{n:?}");
         match self {
             Shape::Linear => v.to_string(),
@@ -84,12 +86,12 @@ impl Shape {
             Shape::Cosine(1.0) => format!("cos({v})"),
             Shape::Sine(n) => format!("sin({} * {v})", number(n)),
             Shape::Cosine(n) => format!("cos({} * {v})", number(n)),
-            Shape::Above(_) => format!("max({v} - start, 0.0)"),
-            Shape::Below(_) => format!("max(start - {v}, 0.0)"),
+            Shape::Above(_) => format!("max({v} - {own}, 0.0)"),
+            Shape::Below(_) => format!("max({own} - {v}, 0.0)"),
             Shape::Growing => format!("{v} * abs({v})"),
             Shape::Flattening => format!("sign({v}) * sqrt(abs({v}))"),
-            Shape::Since(_) => format!("sign(max({v} - start, 0.0))"),
-            Shape::Decay(_) => format!("exp(-{v} / lasts)"),
+            Shape::Since(_) => format!("sign(max({v} - {own}, 0.0))"),
+            Shape::Decay(_) => format!("exp(-{v} / {own})"),
             Shape::TimesY => format!("{v} * y"),
         }
     }
@@ -102,6 +104,15 @@ impl Shape {
             Shape::Since(_) => Shape::Since(at),
             Shape::Decay(_) => Shape::Decay(at),
             other => other,
+        }
+    }
+
+    /// Whether it has no unit, whatever that of its variable is.
+    fn is_plain(self, variable: Variable) -> bool {
+        match self {
+            Shape::Sine(_) | Shape::Cosine(_) | Shape::Since(_) | Shape::Decay(_) => true,
+            Shape::Linear => matches!(variable, Variable::Approach(_)),
+            _ => false,
         }
     }
 
@@ -171,6 +182,8 @@ struct Beside {
     /// Masses' directions K, and L of `I + Kᵀ K = L Lᵀ`.
     k: DMatrix<f64>,
     l: DMatrix<f64>,
+    /// Whether they are free within the usual tolerances.
+    is_wide: bool,
     /// S times its slopes and, behind them, what it leaves.
     left: DMatrix<f64>,
     /// Of its own unknowns, with what is left of their gradient.
@@ -194,6 +207,7 @@ impl Beside {
         Beside {
             k: masses.columns().select_rows(rows),
             l: masses.factor().l_dirty().clone(),
+            is_wide: fit.frees_masses(),
             left,
             own: factor.filter(|_| own > 0).map(|factor| (factor, pull)),
         }
@@ -270,10 +284,24 @@ impl Functions {
         self.forms.len()
     }
 
-    /// The forms that would improve a hypothesis most, fewer of one place than of all.
-    pub(super) fn proposals(&self, parent: &Fit, problem: &Problem) -> Vec<Proposal> {
-        let beside = Beside::of(self, parent, problem);
-        let mut found = self.gains(&beside, &self.forms);
+    /// The forms that would improve each of some hypotheses most, fewer of one place than of all.
+    pub(super) fn proposals(&self, parents: &[Fit], problem: &Problem) -> Vec<Proposal> {
+        let beside = parents.iter().map(|fit| Beside::of(self, fit, problem));
+        let beside: Vec<Beside> = beside.collect();
+        let gains = self.gains(&beside, &self.forms).into_iter();
+        let all = gains.zip(parents).zip(&beside);
+        all.flat_map(|((gains, parent), beside)| self.best_of(gains, parent, beside, problem))
+            .collect()
+    }
+
+    /// Those of one hypothesis.
+    fn best_of(
+        &self,
+        mut found: Vec<Gain>,
+        parent: &Fit,
+        beside: &Beside,
+        problem: &Problem,
+    ) -> Vec<Proposal> {
         let price = |form: &Form| problem.price_of_function(form.unknowns());
         let score = |own: &Gain| price(&own.form) - own.gain;
         found.retain(|own| score(own) < 0.0);
@@ -285,11 +313,11 @@ impl Functions {
         });
         found.truncate(OF_ALL);
         let proposals = found.iter().filter_map(|own| {
-            let own = &self.settled(&beside, own);
+            let own = &self.settled(beside, own);
             let term = Term::Effect(self.instance(problem, own)?);
             let fits = parent.terms.iter().all(|other| other.is_compatible(&term));
             fits.then(|| Proposal {
-                predicted_score: parent.score() + price(&own.form) - own.gain,
+                predicted_score: parent.score() + score(own),
                 terms: [&parent.terms[..], &[term]].concat(),
                 parent: Some(parent.clone()),
             })
@@ -313,37 +341,52 @@ impl Functions {
             shapes: vec![shape.with(at)],
             ..form.clone()
         });
-        let all = self.gains(beside, &forms.collect::<Vec<_>>());
-        let best = all.into_iter().max_by(|a, b| a.gain.total_cmp(&b.gain));
+        let all = self.gains(std::slice::from_ref(beside), &forms.collect::<Vec<_>>());
+        let best = all
+            .into_iter()
+            .flatten()
+            .max_by(|a, b| a.gain.total_cmp(&b.gain));
         best.filter(|best| best.gain > own.gain)
             .unwrap_or_else(|| own.clone())
     }
 
-    /// What forms gain beside a hypothesis.
-    fn gains(&self, beside: &Beside, forms: &[Form]) -> Vec<Gain> {
-        let places: Vec<usize> = (0..self.places.len()).collect();
-        let of_place = |place: usize| -> Vec<Gain> {
+    /// What forms gain beside each of some hypotheses.
+    fn gains(&self, beside: &[Beside], forms: &[Form]) -> Vec<Vec<Gain>> {
+        let of_place = |place: usize| -> Vec<Vec<Gain>> {
             let forms: Vec<&Form> = forms.iter().filter(|form| form.place == place).collect();
             let columns = self.columns(&forms);
-            let mut taken = transposed_times(&beside.k, &columns);
-            beside.l.solve_lower_triangular_mut(&mut taken);
-            let of_all = transposed_times(&columns, &beside.left);
-            let mut at = 0;
-            let gains = forms.into_iter().filter_map(|form| {
-                let count = form.shapes.len();
-                let (c, t) = (columns.columns(at, count), taken.columns(at, count));
-                let of_form = of_all.rows(at, count).into_owned();
-                at += count;
-                let (gain, sizes) = beside.gain(&c.into_owned(), &t.into_owned(), &of_form)?;
-                Some(Gain {
-                    form: form.clone(),
-                    gain: self.part * gain,
-                    sizes,
-                })
+            let mut squares: [Option<DMatrix<f64>>; 2] = [None, None];
+            let gains = beside.iter().map(|beside| {
+                let taken = squares[usize::from(beside.is_wide)].get_or_insert_with(|| {
+                    let mut taken = transposed_times(&beside.k, &columns);
+                    beside.l.solve_lower_triangular_mut(&mut taken);
+                    taken
+                });
+                let of_all = transposed_times(&columns, &beside.left);
+                let mut at = 0;
+                let gains = forms.iter().filter_map(|form| {
+                    let count = form.shapes.len();
+                    let (c, t) = (columns.columns(at, count), taken.columns(at, count));
+                    let of_form = of_all.rows(at, count).into_owned();
+                    at += count;
+                    let (gain, sizes) = beside.gain(&c.into_owned(), &t.into_owned(), &of_form)?;
+                    Some(Gain {
+                        form: (*form).clone(),
+                        gain: self.part * gain,
+                        sizes,
+                    })
+                });
+                gains.collect()
             });
             gains.collect()
         };
-        each_long(places, of_place).into_iter().flatten().collect()
+        let places = 0..self.places.len();
+        let mut all = vec![Vec::new(); beside.len()];
+        for of_place in each_long(places, of_place) {
+            let both = all.iter_mut().zip(of_place);
+            both.for_each(|(all, some)| all.extend(some));
+        }
+        all
     }
 
     /// The columns of forms at one place, side by side.
@@ -472,28 +515,47 @@ impl Functions {
             Variable::Reading(axis) => ["x", "y"][axis].to_string(),
             Variable::Time => "t".to_string(),
         };
-        let terms = form.shapes.iter().zip(COEFFICIENTS);
+        // Names end in their unit where sizes have that of the site.
+        let slides = |joint: usize| dofs[joint].prismatic;
+        let unit = match (place.site, &place.target) {
+            (Site::Joint, Target::Joint(joint)) if slides(*joint) => "_m",
+            (Site::Joint | Site::Ground, _) => "_rad",
+            (Site::Load, _) => "_kg",
+            _ => "_m",
+        };
+        let of_size = |(shape, name): (&Shape, &str)| match shape.is_plain(form.variable) {
+            true => format!("{name}{unit}"),
+            false => name.to_string(),
+        };
+        let names: Vec<String> = form.shapes.iter().zip(COEFFICIENTS).map(of_size).collect();
+        let own_constant = form.shapes[0].constant().map(|(name, value)| {
+            let ending = match form.variable {
+                Variable::Position(joint) if !slides(joint) => "_rad",
+                Variable::Position(_) | Variable::Reading(_) => "_m",
+                _ => "",
+            };
+            (format!("{name}{ending}"), value)
+        });
+        let within = own_constant.as_ref().map_or("", |(name, _)| name);
+        let terms = form.shapes.iter().zip(&names);
         let text: Vec<String> = terms
-            .map(|(shape, a)| format!("{a} * {}", shape.text(&v)))
+            .map(|(shape, size)| format!("{size} * {}", shape.text(&v, within)))
             .collect();
-        let unlimited = [f64::NEG_INFINITY, f64::INFINITY];
-        let mut constants: Vec<Constant> = own
-            .sizes
-            .iter()
-            .zip(COEFFICIENTS)
-            .map(|(size, name)| Constant {
-                name: name.to_string(),
-                typical: rounded(*size),
-                unit: "1".to_string(),
-                limits: unlimited,
-            })
-            .collect();
-        constants.extend(form.shapes[0].constant().map(|(name, value)| Constant {
+        let constant = |name: &str, typical: f64| Constant {
             name: name.to_string(),
-            typical: if value == 0.0 { LEAST_PART } else { value },
-            unit: "1".to_string(),
-            limits: unlimited,
-        }));
+            typical: if typical == 0.0 { LEAST_PART } else { typical },
+            unit: Unit::of(name).symbol().to_string(),
+            limits: [f64::NEG_INFINITY, f64::INFINITY],
+        };
+        let sizes = own.sizes.iter().zip(&names);
+        let mut constants: Vec<Constant> = sizes
+            .map(|(size, name)| constant(name, rounded(*size)))
+            .collect();
+        constants.extend(
+            own_constant
+                .iter()
+                .map(|(name, value)| constant(name, *value)),
+        );
         let (name, sentence) = form.name(place, &|joint| dofs[joint].joint.clone());
         let definition = Definition {
             name: name.to_string(),

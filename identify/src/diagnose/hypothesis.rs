@@ -173,6 +173,12 @@ impl Term {
             .map_or_else(|| "-".to_string(), |i| i.target_name(context))
     }
 
+    /// The joint, link, cell or axis that it acts on itself.
+    pub(super) fn own_target(&self, context: &EffectContext) -> String {
+        self.effect()
+            .map_or_else(|| "-".to_string(), |i| context.name_of(&i.target))
+    }
+
     /// `joint_offset:l_knee`; the name alone where there is no target.
     pub(super) fn label(&self, context: &EffectContext) -> String {
         self.effect()
@@ -204,6 +210,20 @@ impl Term {
             }
             Term::Outliers => (effects + 1, Target::Whole, id),
             Term::Masses => (effects + 2, Target::Whole, id),
+        }
+    }
+
+    /// Where it adds something, and what, as a formula.
+    pub(super) fn form(&self) -> (String, String) {
+        match self.effect().and_then(|i| i.effect.composed()) {
+            Some(own) => {
+                let definition = own.definition();
+                (definition.site.to_string(), definition.function.to_string())
+            }
+            None => {
+                let (site, function) = effects::about::form(self.name());
+                (site.to_string(), function.to_string())
+            }
         }
     }
 

@@ -10,6 +10,7 @@ use super::criteria::{COUNTS, LONGER, SIZES, STAYED};
 use super::findings::{About, Explained};
 use super::hypothesis::{Term, effect_terms};
 use super::problem::{Block, Fit, OnBlock, Problem};
+use super::search::Beyond;
 use super::{diagnosis, noise};
 use crate::Error;
 use crate::observations::correlation::{Correlation, step};
@@ -28,7 +29,10 @@ pub(super) fn explained<'m>(
     watch: &mut dyn Watch,
 ) -> Result<(Problem<'m>, Explained, Vec<[Correlation; 2]>), Error> {
     let mut problem = first.clone();
-    let mut found = diagnosis::find(&mut problem, about, watch)?;
+    // Noise of a robot that moves lasts for how long is told beside the list alone.
+    let moves = first.data().motion.is_some();
+    let beyond = if moves { Beyond::Left } else { Beyond::Tried };
+    let mut found = diagnosis::find(&mut problem, about, beyond, watch)?;
     let mut correlation = correlations(&problem, &found.best);
     // What free masses leave is noise and what they cannot explain; the best explanation can.
     // Where noise lasts, it is no explanation yet.
@@ -40,7 +44,7 @@ pub(super) fn explained<'m>(
         };
         first.take_noise(&left, taken);
         problem = first.clone();
-        found = diagnosis::find(&mut problem, about, watch)?;
+        found = diagnosis::find(&mut problem, about, beyond, watch)?;
         correlation = correlations(&problem, &found.best);
     }
     let mut times = vec![[1.0; 2]; correlation.len()];
@@ -64,7 +68,7 @@ pub(super) fn explained<'m>(
         {
             problem.correlate_noise(block, times[block], own);
         }
-        found = diagnosis::find(&mut problem, about, watch)?;
+        found = diagnosis::find(&mut problem, about, beyond, watch)?;
         let again = correlations(&problem, &found.best);
         let fewer = found.best.unknowns.len() < unknowns;
         let pairs = again.iter().flatten().zip(correlation.iter().flatten());
@@ -77,6 +81,17 @@ pub(super) fn explained<'m>(
         }
         unknowns = found.best.unknowns.len();
         correlation = again;
+    }
+    if moves {
+        problem = first;
+        for (block, own) in correlation
+            .iter()
+            .enumerate()
+            .filter(|(_, own)| counts(own))
+        {
+            problem.correlate_noise(block, times[block], own);
+        }
+        found = diagnosis::find(&mut problem, about, Beyond::Tried, watch)?;
     }
     Ok((problem, found, correlation))
 }

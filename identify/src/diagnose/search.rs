@@ -22,6 +22,14 @@ use crate::Error;
 use crate::threads::{each_long, processors};
 use crate::watch::{Watch, tell};
 
+/// Whether functions beyond the list are tried: while nobody knows how long noise lasts, they
+/// would explain it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Beyond {
+    Tried,
+    Left,
+}
+
 /// Fitted hypotheses.
 pub(super) struct Search<'m> {
     pub problem: Arc<Problem<'m>>,
@@ -95,7 +103,7 @@ impl<'m> Search<'m> {
     ///
     /// # Errors
     /// When `watch` stops the search.
-    pub(super) fn run(&mut self, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
+    pub(super) fn run(&mut self, beyond: Beyond, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
         let null = self.fit(&[], None);
         let faults = wiring::faults(&self.problem);
         let mut beam = vec![null];
@@ -126,7 +134,7 @@ impl<'m> Search<'m> {
             }
         }
         self.reexamine_all(watch)?;
-        if self.look_beyond(watch)? {
+        if beyond == Beyond::Tried && self.look_beyond(watch)? {
             self.reexamine_all(watch)?;
         }
         Ok(self.ranked())
@@ -141,12 +149,10 @@ impl<'m> Search<'m> {
             let best = self.ranked().into_iter();
             let best = best.filter(|fit| !fit.terms.is_empty());
             parents.extend(best.take(criteria::functions::BESIDE));
-            let mut proposals = Vec::new();
-            for parent in &parents {
-                proposals.extend(self.functions.proposals(parent, &self.problem));
-                if parent.terms.iter().any(Term::is_composed) {
-                    proposals.extend(self.extensions(parent, criteria::LATER));
-                }
+            let mut proposals = self.functions.proposals(&parents, &self.problem);
+            let composed = |fit: &&Fit| fit.terms.iter().any(Term::is_composed);
+            for parent in parents.iter().filter(composed) {
+                proposals.extend(self.extensions(parent, criteria::LATER));
             }
             self.refine(proposals, 2, watch)?;
             if self.best_score() >= before - 1e-6 {

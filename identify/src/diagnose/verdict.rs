@@ -95,7 +95,17 @@ fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
              behind it would not be visible in these data.",
             mm(d.absorbed_by_masses)
         )),
-        Verdict::Named => missing("", "nothing else that is known explains these data."),
+        Verdict::Named => {
+            let forms = d.forms.first().map_or(&[][..], |forms| &forms[..]);
+            let rest = match forms.split_first() {
+                Some((_, others)) if !others.is_empty() => format!(
+                    "the place is clear, its form may as well be {}.",
+                    listed(others.iter().cloned(), NAMED)
+                ),
+                _ => "nothing else that is known explains these data.".to_string(),
+            };
+            missing("", &rest);
+        }
         Verdict::Class => {
             let shown = others[..others.len().min(NAMED)].join("; ");
             let more = match others.len().saturating_sub(NAMED) {

@@ -78,7 +78,15 @@ pub(super) fn clause(context: &EffectContext, term: &Term, values: &Sizes) -> St
     if values.is_empty() {
         return subject;
     }
-    format!("{subject} ({})", sizes(values))
+    let composed = term.effect().and_then(|own| own.effect.composed());
+    match composed {
+        Some(own) => format!(
+            "{subject} ({}; {})",
+            own.definition().function,
+            sizes(values)
+        ),
+        None => format!("{subject} ({})", sizes(values)),
+    }
 }
 
 /// The clause of every effect of a fit.

@@ -95,6 +95,33 @@ const EXAMPLE: &str = "<robot name='example'>\
 /// Its cells, m.
 const CELLS: [[f64; 2]; 4] = [[0.1, 0.05], [0.1, -0.05], [-0.1, -0.05], [-0.1, 0.05]];
 
+/// Site and function of an effect of the standard list, by its name.
+pub fn form(name: &str) -> (&'static str, &'static str) {
+    match name {
+        "joint_offset" => ("joint", "offset"),
+        "joint_scale" => ("joint", "(scale - 1.0) * q"),
+        "joint_sign" => ("joint", "-2.0 * q"),
+        "joint_swap" => ("joint", "q[\"other\"] - q"),
+        "joint_compliance" => ("joint", "tau / stiffness"),
+        "backlash" => ("joint", "0.5 * width * sign(tau)"),
+        "sensor_offset" => ("sensor", "offset"),
+        "sensor_gain" => ("sensor", "(gain - 1.0) * x"),
+        "sensor_rotation" => ("sensor", "angle * y"),
+        "sensor_drift" => ("sensor", "drift * t"),
+        "ground_slope" => ("ground", "slope"),
+        "payload" => ("load", "mass"),
+        "external_force" => ("load", "force"),
+        "cell_gain" => ("cell", "(gain - 1.0) * load"),
+        "cell_offset" => ("cell", "offset"),
+        "cell_exponent" => ("cell", "pow(load, exponent) - load"),
+        "cell_saturation" => ("cell", "min(load, limit) - load"),
+        "mass_distribution" => ("load", "masses"),
+        "time_delay" => ("record", "q(t + delay) - q"),
+        "units" => ("record", "unit"),
+        _ => ("record", "reading"),
+    }
+}
+
 /// All effects of `catalog`, in its order.
 pub fn about(catalog: &Catalog) -> Vec<EffectAbout> {
     let robot = urdf::parse(EXAMPLE, "example.urdf")

@@ -363,6 +363,21 @@ impl Composed {
         formula.write(at.g(), &variables, &pairs.collect())
     }
 
+    /// The joints beside `own` that its function names, each once.
+    pub fn other_joints(&self, own: &str) -> Vec<String> {
+        let mut all = Vec::new();
+        for variable in self.definition.function.variables() {
+            let name = match variable {
+                Variable::Position(name) | Variable::Moment(name) | Variable::Approach(name) => {
+                    name
+                }
+                _ => None,
+            };
+            all.extend(name.filter(|name| name != own && !all.contains(name)));
+        }
+        all
+    }
+
     /// Whether its function is one of the reading, of the CoP where the ground is soft.
     pub fn reads_cop(&self) -> bool {
         let variables = self.definition.function.variables();

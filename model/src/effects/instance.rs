@@ -60,10 +60,17 @@ impl Instance {
 
     /// The target as reports name it; `-` where it is no part of the label.
     pub fn target_name(&self, context: &EffectContext) -> String {
-        match self.effect.label_has_target() {
+        let own = match self.effect.label_has_target() {
             true => context.name_of(&self.target),
-            false => "-".to_string(),
-        }
+            false => return "-".to_string(),
+        };
+        let others = self.effect.composed().into_iter();
+        let others = others.flat_map(|composed| composed.other_joints(&own));
+        [own.clone()]
+            .into_iter()
+            .chain(others)
+            .collect::<Vec<_>>()
+            .join(",")
     }
 
     /// `joint_offset:l_knee`; the name alone where there is no target.

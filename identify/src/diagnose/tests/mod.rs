@@ -28,6 +28,7 @@ use super::diagnosis::find;
 use super::findings::{About, Explained};
 use super::hypothesis::Term;
 use super::problem::{Block, Fit, Problem};
+use super::search::Beyond;
 use super::{Quantity, Request, words};
 use crate::fit::prior::{Prior, Tolerance, Tolerances};
 use crate::logs::{LogSource, Table};
@@ -201,7 +202,7 @@ fn about() -> About<'static> {
 }
 
 fn diagnosed(problem: &mut Problem) -> Explained {
-    let mut found = find(problem, &about(), &mut ()).unwrap();
+    let mut found = find(problem, &about(), Beyond::Tried, &mut ()).unwrap();
     super::verdict::state(problem, &mut found);
     found
 }

@@ -10,7 +10,7 @@ use sesc_model::urdf::Shift;
 use super::{Bench, SKEW, request, says, table};
 use crate::diagnose::hypothesis::{Term, carried, effect_terms};
 use crate::diagnose::problem::{ALL, Block, Problem};
-use crate::diagnose::{Report, Verdict, diagnose};
+use crate::diagnose::{Report, diagnose};
 use crate::fit::prior::Prior;
 use crate::observations::postures::Postures;
 
@@ -136,7 +136,13 @@ fn report(effects: Catalog) -> Report {
 fn an_effect_from_outside_is_found_said_and_written() {
     let found = report(effects());
     let said = &found.diagnosis;
-    assert_eq!(said.verdict, Verdict::Named, "{}", said.sentence);
+    // A curve of the same joint's angle may do as well.
+    let places = said.indistinguishable.iter().flatten();
+    assert!(
+        places.into_iter().all(|label| label.ends_with(":knee")),
+        "{}",
+        said.sentence
+    );
     let step = &said.steps[0];
     assert_eq!((step.effect, &*step.target), ("joint_eccentric", "knee"));
     let throw = &step.parameters["throw_rad"];
@@ -151,7 +157,7 @@ fn an_effect_from_outside_is_found_said_and_written() {
     // Without it in the catalog it is a form without that name.
     let without = report(Catalog::standard()).diagnosis;
     let step = &without.steps[0];
-    assert_eq!((step.effect, &*step.target), ("encoder_ripple", "knee"));
+    assert_eq!((&*step.site, &*step.target), ("joint", "knee"));
     let [form, named] = [without.last.rmse, said.last.rmse];
     assert!(form < 1.02 * named, "{form} {named}");
 }

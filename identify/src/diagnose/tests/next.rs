@@ -4,6 +4,7 @@
 use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
+use super::super::search::Beyond;
 use super::OP2_URDF;
 use super::{Bench, NOISE, about, diagnosed, gauss, term, together};
 use crate::diagnose::criteria::{CLASS_SCORE, TOLD_APART};
@@ -94,7 +95,7 @@ fn the_first_experiment_splits_the_class() {
             let further = taken(&model, &world, q, 500 + seed);
             let log = bench.problem(problem.first().data.clone(), "tight");
             let mut both = together(&log, &further, experiment);
-            let after = find(&mut both, &about(), &mut ()).unwrap();
+            let after = find(&mut both, &about(), Beyond::Tried, &mut ()).unwrap();
             let after = after.diagnosis.indistinguishable;
             let gone = before.iter().filter(|rival| !after.contains(rival)).count();
             let remains = after.contains(&truth);
@@ -210,7 +211,7 @@ fn logs_share_the_masses_of_what_is_stated() {
         bench.problem(Postures::given(dof, q, y, NOISE, 0.0), "cad")
     };
     let stated = |mut problem: Problem| {
-        let found = find(&mut problem, &about(), &mut ()).unwrap();
+        let found = find(&mut problem, &about(), Beyond::Tried, &mut ()).unwrap();
         assert!(problem.first().offset.is_some(), "masses of CAD predict it");
         let steps = found.diagnosis.steps;
         let knee = steps.iter().find(|step| step.target == "r_knee");
