@@ -305,7 +305,6 @@ fn unmodelled_effects_stay_unexplained() {
     let unmodelled = [
         hidden(Effect::KneeSine, "r_knee", &[0.006]),
         hidden(Effect::LooseMass, "body_link", &[0.25]),
-        hidden(Effect::GearError, "r_knee", &[0.05]),
     ];
     unmodelled.par_iter().for_each(|unmodelled| {
         let folder = tempfile::tempdir().unwrap();
@@ -327,4 +326,22 @@ fn unmodelled_effects_stay_unexplained() {
         }
         assert!(explained(&told) <= 1, "{}", mistakes(&told));
     });
+}
+
+/// A gear whose error is a wave is no effect of the list, and a function at its joint.
+#[test]
+fn a_wave_of_a_gear_is_found_as_a_wave_of_its_encoder() {
+    let folder = tempfile::tempdir().unwrap();
+    let wave = hidden(Effect::GearError, "r_knee", &[0.05]);
+    for seed in 0..2 {
+        let trial = Trial::of(vec![wave.clone()], &small(), seed).unwrap();
+        let told = ask(&diagnoser(), &trial, folder.path()).unwrap();
+        let said = &told.judgement.said;
+        assert_eq!(
+            said,
+            "encoder_ripple:r_knee",
+            "{}",
+            mistakes(&[told.clone()])
+        );
+    }
 }

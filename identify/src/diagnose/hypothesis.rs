@@ -233,10 +233,13 @@ impl Term {
     }
 
     /// Whether it may stand beside another: not twice, not one joint and all joints
-    /// by the same effect, not two foot cells.
+    /// by the same effect, not two foot cells, no outliers beside a function.
     pub(super) fn is_compatible(&self, other: &Term) -> bool {
         let (Some(a), Some(b)) = (self.effect(), other.effect()) else {
-            return self.name() != other.name();
+            // What a function leaves where it is the wrong one looks like outliers.
+            let both = [self, other];
+            let guessed = both.contains(&&Term::Outliers) && both.iter().any(|x| x.is_composed());
+            return self.name() != other.name() && !guessed;
         };
         let same = a.effect.id() == b.effect.id();
         let all = a.target == Target::AllJoints || b.target == Target::AllJoints;

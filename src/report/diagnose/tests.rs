@@ -249,7 +249,9 @@ fn a_single_posture_still_makes_a_page() {
 
 #[test]
 fn what_nothing_explains_is_called_so() {
-    let (found, view) = small((100, true), |_, q| [0.004 * (9.0 * q[1]).sin(), 0.0]);
+    let (found, view) = small((100, true), |_, q| {
+        [0.004 * (14.0 * q[1]).sin().signum(), 0.0]
+    });
     assert_eq!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
     let html = sound(&found, &view);
     assert!(html.contains("What nothing explains") && html.contains("No known effect"));

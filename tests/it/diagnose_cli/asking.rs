@@ -125,6 +125,8 @@ pub fn as_agreed(said: &Value) {
         let mut agreed = [
             "effect",
             "target",
+            "site",
+            "function",
             "parameters",
             "rmse_before",
             "rmse_after",
