@@ -26,6 +26,9 @@ use super::problem::{ALL, Fit, Problem, Proposal};
 use crate::lsq::{factor_normal, transposed_times};
 use crate::threads::each_long;
 
+/// Knots of a curve.
+const KNOTS: usize = 7;
+
 /// A variable that functions take.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Variable {
@@ -55,6 +58,8 @@ enum Shape {
     Decay(f64),
     /// Times the reading along y.
     TimesY,
+    /// One at a knot, falling to none at its neighbours, which are so far away.
+    Hat(f64, f64),
 }
 
 impl Shape {
@@ -72,6 +77,7 @@ impl Shape {
             Shape::Since(from) => f64::from(u8::from(v > from)),
             Shape::Decay(lasts) => (-v / lasts).exp(),
             Shape::TimesY => v * y,
+            Shape::Hat(at, apart) => (1.0 - ((v - at) / apart).abs()).max(0.0),
         }
     }
 
@@ -93,6 +99,10 @@ impl Shape {
             Shape::Since(_) => format!("sign(max({v} - {own}, 0.0))"),
             Shape::Decay(_) => format!("exp(-{v} / {own})"),
             Shape::TimesY => format!("{v} * y"),
+            Shape::Hat(at, apart) => {
+                let (at, apart) = (number(at), number(apart));
+                format!("max(1.0 - abs({v} - {at}) / {apart}, 0.0)")
+            }
         }
     }
 
@@ -111,6 +121,7 @@ impl Shape {
     fn is_plain(self, variable: Variable) -> bool {
         match self {
             Shape::Sine(_) | Shape::Cosine(_) | Shape::Since(_) | Shape::Decay(_) => true,
+            Shape::Hat(..) => true,
             Shape::Linear => matches!(variable, Variable::Approach(_)),
             _ => false,
         }
@@ -127,7 +138,7 @@ impl Shape {
 }
 
 /// Sizes of the terms of a form, in their order.
-const COEFFICIENTS: [&str; 2] = ["a", "b"];
+const COEFFICIENTS: [&str; KNOTS] = ["a", "b", "c", "d", "e", "f", "g"];
 
 /// A function at a site: a sum of shapes of a variable, each times an unknown size.
 #[derive(Clone)]
@@ -427,16 +438,21 @@ impl Functions {
                 }
             };
             let alone = |shapes: Vec<Shape>| shapes.into_iter().map(|shape| vec![shape]).collect();
-            let quantiles = |variable: Variable| -> Vec<f64> {
-                let mut sorted = self.values.of(variable).to_vec();
-                sorted.sort_by(f64::total_cmp);
-                let at = |part: f64| sorted[(part * (sorted.len() - 1) as f64) as usize];
-                PARTS.map(at).to_vec()
-            };
+            let quantiles = |variable| quantiles_of(self.values.of(variable), &PARTS);
             let bends = |variable: Variable| {
                 let from = quantiles(variable).into_iter();
                 from.flat_map(|from| [Shape::Above(from), Shape::Below(from)])
                     .collect::<Vec<_>>()
+            };
+            // A curve that no formula of the table is.
+            let curve = |variable: Variable| {
+                let sorted = quantiles_of(self.values.of(variable), &[0.0, 1.0]);
+                let digits = 10_f64.powf(2.0 - (sorted[1] - sorted[0]).log10().floor());
+                let short = |x: f64| (x * digits).round() / digits;
+                let apart = short((sorted[1] - sorted[0]) / (KNOTS - 1) as f64);
+                let first = short(sorted[0]);
+                let knots = (0..KNOTS).map(|k| short(first + k as f64 * apart));
+                vec![knots.map(|at| Shape::Hat(at, apart)).collect::<Vec<_>>()]
             };
             let in_time = || {
                 let span = self.values.time.iter().copied().fold(0.0, f64::max);
@@ -456,7 +472,9 @@ impl Functions {
                     }
                     of(q, alone(vec![Shape::Square, Shape::Cube]));
                     of(q, alone(bends(q)));
+                    of(q, curve(q));
                     let tau = Variable::Moment(*joint);
+                    of(tau, curve(tau));
                     of(tau, alone(vec![Shape::Growing, Shape::Flattening]));
                     of(Variable::Approach(*joint), alone(vec![Shape::Linear]));
                     for other in nearby(problem, *joint) {
@@ -475,6 +493,7 @@ impl Functions {
                     let (along, across) = if *way == "x" { (x, y) } else { (y, x) };
                     of(along, alone(vec![Shape::Square, Shape::Cube]));
                     of(along, alone(bends(along)));
+                    of(along, curve(along));
                     of(across, alone(vec![Shape::Linear, Shape::Square]));
                     of(x, alone(vec![Shape::TimesY]));
                     if timed {
@@ -575,6 +594,14 @@ impl Functions {
     }
 }
 
+/// Values below which so large parts of some lie.
+fn quantiles_of(values: &[f64], parts: &[f64]) -> Vec<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |part: &f64| sorted[(part * (sorted.len() - 1) as f64) as usize];
+    parts.iter().map(at).collect()
+}
+
 /// A number to one digit: what a fit begins with need not be known better.
 fn rounded(size: f64) -> f64 {
     if size == 0.0 || !size.is_finite() {
@@ -607,6 +634,18 @@ impl Form {
             (Site::Joint, Variable::Moment(j), _) if Some(j) != own => (
                 "cross_compliance",
                 format!("{{target}} giving way to the moment at {}", joint(j)),
+            ),
+            (Site::Joint, Variable::Moment(_), Shape::Hat(..)) => (
+                "joint_error",
+                "an error of {target} that is a curve of its moment".to_string(),
+            ),
+            (Site::Joint, _, Shape::Hat(..)) => (
+                "joint_error",
+                "an error of {target} that is a curve of its position".to_string(),
+            ),
+            (Site::Sensor, _, Shape::Hat(..)) => (
+                "sensor_error",
+                "an error of the readings along {target} that is a curve of them".to_string(),
             ),
             (Site::Joint, _, Shape::Sine(1.0)) => (
                 "encoder_eccentricity",
