@@ -341,7 +341,7 @@ fn a_wave_of_a_gear_is_found_as_a_wave_of_its_encoder() {
             said,
             "encoder_ripple:r_knee",
             "{}",
-            mistakes(&[told.clone()])
+            mistakes(std::slice::from_ref(&told))
         );
     }
 }

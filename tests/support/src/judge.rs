@@ -119,6 +119,8 @@ pub struct Judgement {
     pub none: bool,
     /// Something is said to be left that nothing explains.
     pub unexplained: bool,
+    /// All of it acts on the one part where something is hidden.
+    pub at_place: bool,
     /// The answer leaves no more than noise might, whatever it is made of.
     pub imitates: bool,
     /// RMSE on held-out postures over the noise floor, as the diagnoser has it.
@@ -142,6 +144,7 @@ impl Judgement {
             exact,
             in_group: answer.lists(&truth),
             twin: exact || is_twin(&steps, trial),
+            at_place: is_at_place(&steps, &truth),
             imitates: exact || imitates(&answer.steps, trial),
             aside: None,
             group: answer.groups.len(),
@@ -257,6 +260,17 @@ fn is_twin(steps: &Labels, trial: &Trial) -> bool {
     }
     let (truth, answer) = left_over(&said, trial);
     answer <= truth + NOISE_ALLOWS
+}
+
+/// Whether all steps act on the one part where something is hidden.
+fn is_at_place(steps: &Labels, truth: &Labels) -> bool {
+    let place = |label: &String| {
+        let (_, target) = label.split_once(':')?;
+        Some(target.split(',').next().unwrap_or(target).to_string())
+    };
+    let hidden: Vec<_> = truth.iter().map(place).collect();
+    let all = |of: &Option<String>| steps.iter().all(|own| place(own) == *of);
+    matches!(&hidden[..], [one] if one.is_some() && !steps.is_empty() && all(one))
 }
 
 /// What is said, refitted, leaves no more than noise might: three standard

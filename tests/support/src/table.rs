@@ -133,22 +133,22 @@ const GOALS: [(&str, Is, Bound, Is); 21] = [
         |o| o.judgement.aside.is_some_and(|aside| aside < 1.1),
     ),
     (
-        "outside the library: unexplained",
-        outside,
-        Bound::Least(1.0),
-        |o| o.judgement.unexplained,
-    ),
-    (
-        "... shown with chi2 above 4000: unexplained",
-        strongly_outside,
-        Bound::Least(1.0),
-        |o| o.judgement.unexplained,
-    ),
-    (
-        "... unexplained, or imitated to within noise",
+        "outside the library: unexplained, or at its place",
         outside,
         Bound::Shown,
-        |o| o.judgement.unexplained || o.judgement.imitates,
+        |o| o.judgement.unexplained || o.judgement.at_place,
+    ),
+    (
+        "... shown with chi2 above 4000: the same",
+        strongly_outside,
+        Bound::Least(1.0),
+        |o| o.judgement.unexplained || o.judgement.at_place,
+    ),
+    (
+        "... the same, or imitated to within noise",
+        outside,
+        Bound::Shown,
+        |o| o.judgement.unexplained || o.judgement.at_place || o.judgement.imitates,
     ),
     (
         "hanging load: payload at its hinge, or unexplained",
