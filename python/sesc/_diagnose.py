@@ -50,6 +50,8 @@ class Step(NamedTuple):
     Attributes:
         effect: its name, such as ``joint_offset``.
         target: joint, link or cell; ``-`` where it acts on the whole.
+        site: where it adds something: ``joint``, ``sensor``, ``ground``, ``load``, ``cell``, ``record``.
+        function: what it adds there, as a formula.
         parameters: by name, which ends in the unit: ``offset_rad``.
         rmse_before, rmse_after: held-out error without and with it, m.
         evidence: by how much -2 log evidence rises without it.
@@ -63,6 +65,8 @@ class Step(NamedTuple):
 
     effect: str
     target: str
+    site: str
+    function: str
     parameters: dict[str, Quantity]
     rmse_before: float
     rmse_after: float
@@ -263,6 +267,7 @@ def diagnose(
     motion: Motion = "auto",
     settle: float | None = None,
     servos: str | os.PathLike[str] | None = None,
+    effects: str | os.PathLike[str] | None = None,
     progress: Progress = False,
 ) -> Diagnosis:
     """Find where simulation and measurement disagree, and name the missing effect.
@@ -288,6 +293,8 @@ def diagnose(
             joint is slower than 0.02 rad/s; each is one posture. 0 takes every row as one of a
             robot that moves.
         servos: TOML file of the servos: remedies are in its ticks.
+        effects: TOML file of effects of your own, each a site and a formula, that are tried beside
+            the others.
         progress: print how far it is, or a function of what is done, how much, and of how much.
 
     Raises:
@@ -313,6 +320,7 @@ def diagnose(
         "motion": _run.motion(motion),
         "settle": settle,
         "servos": None if servos is None else os.fspath(servos),
+        "effects": None if effects is None else os.fspath(effects),
     }
     with _run.showing(progress) as show:
         found = _sesc.diagnose_log(

@@ -32,6 +32,7 @@ pub struct DiagnoseOptions {
     motion: bool,
     settle: Option<f64>,
     servos: Option<PathBuf>,
+    effects: Option<PathBuf>,
 }
 
 /// Support, experiment, postures, and the rank of each, the most telling first.
@@ -88,6 +89,9 @@ pub fn diagnose_log(
         if let Some(file) = &options.servos {
             let servos = sesc::servos::read(file, &request.robot);
             request.servos = servos.during(Doing::Sesc)?;
+        }
+        if let Some(file) = &options.effects {
+            request.effects = request.effects.with_file(file).during(Doing::Sesc)?;
         }
         let report = diagnose::diagnose(&request, watch).during(Doing::Fit)?;
         let next_steps = report.diagnosis.next_steps();

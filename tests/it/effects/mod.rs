@@ -8,6 +8,7 @@ mod body;
 pub mod compiled;
 pub mod composed;
 pub mod correction;
+mod families;
 pub mod hidden;
 mod records;
 pub mod robots;
