@@ -123,8 +123,9 @@ pub(super) mod functions {
     pub const STARTS: usize = 100;
     /// Parts of the log that a decay lasts. Chosen: the fit moves them.
     pub const SIZES: [f64; 3] = [0.1, 0.3, 1.0];
-    /// Joints that an error of another may follow, the nearest first. Chosen: it costs time.
-    pub const NEAREST: usize = 32;
+    /// Joints with those that their errors may follow, the nearest first. Chosen: it costs time, and
+    /// is all of them up to 56 joints.
+    pub const PAIRS_OF_JOINTS: usize = 3200;
     /// Postures that are looked at. Chosen: it costs time.
     pub const POSTURES: usize = 300;
     /// Functions that are fitted beside one explanation, of one place and of all. Chosen: it costs

@@ -18,7 +18,7 @@ use sesc_model::effects::{
 use sesc_model::formula::Formula;
 
 use super::criteria::functions::{
-    LEAST_PART, NEAREST, OF_A_PLACE, OF_ALL, PARTS, PER_TURN, POSTURES, SIZES, STARTS,
+    LEAST_PART, OF_A_PLACE, OF_ALL, PAIRS_OF_JOINTS, PARTS, PER_TURN, POSTURES, SIZES, STARTS,
 };
 use super::dictionary::Dictionary;
 use super::hypothesis::Term;
@@ -313,7 +313,7 @@ impl Functions {
         beside: &Beside,
         problem: &Problem,
     ) -> Vec<Proposal> {
-        let price = |form: &Form| problem.price_of_function(form.unknowns());
+        let price = |form: &Form| problem.penalty_of_function(form.unknowns());
         let score = |own: &Gain| price(&own.form) - own.gain;
         found.retain(|own| score(own) < 0.0);
         found.sort_by(|a, b| score(a).total_cmp(&score(b)));
@@ -598,7 +598,8 @@ impl Functions {
 fn quantiles_of(values: &[f64], parts: &[f64]) -> Vec<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let at = |part: &f64| sorted[(part * (sorted.len() - 1) as f64) as usize];
+    let last = sorted.len().saturating_sub(1) as f64;
+    let at = |part: &f64| sorted.get((part * last) as usize).copied().unwrap_or(0.0);
     parts.iter().map(at).collect()
 }
 
@@ -820,6 +821,6 @@ fn nearby(problem: &Problem, joint: usize) -> Vec<usize> {
     };
     let mut others: Vec<usize> = (0..robot.dof()).filter(|other| *other != joint).collect();
     others.sort_by_cached_key(apart);
-    others.truncate(NEAREST);
+    others.truncate(PAIRS_OF_JOINTS / robot.dof().max(1));
     others
 }

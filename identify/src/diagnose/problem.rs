@@ -387,7 +387,7 @@ impl<'m> Problem<'m> {
         };
         let of = |term: &Term| {
             if !is_listed(term) {
-                return self.price_of_function(term.unknowns(self.context()));
+                return self.penalty_of_function(term.unknowns(self.context()));
             }
             let own = self.target_weights.get(term).copied();
             let weight = own.unwrap_or_else(|| 1.0 / targets(term).unwrap_or(1) as f64);
@@ -401,7 +401,7 @@ impl<'m> Problem<'m> {
 
     /// What a function beyond the list costs, of so many unknowns: `p ln 2N + 2 ln K`, K the number
     /// tried, and that it is less plain than an effect of the list.
-    pub(super) fn price_of_function(&self, unknowns: usize) -> f64 {
+    pub(super) fn penalty_of_function(&self, unknowns: usize) -> f64 {
         let searched = 2.0 * (self.functions.max(1) as f64).ln();
         unknowns as f64 * self.independent().ln() + searched + criteria::functions::UNNAMED
     }
