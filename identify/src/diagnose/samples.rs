@@ -82,7 +82,7 @@ pub(super) fn explained<'m>(
         unknowns = found.best.unknowns.len();
         correlation = again;
     }
-    if moves {
+    if moves && about.usable {
         problem = first;
         for (block, own) in correlation
             .iter()
