@@ -314,65 +314,27 @@ impl Bench<'_> {
         }
     }
 
-    fn log(&self, q: &[Vec<f64>], cop: &[[f64; 2]], apart_s: f64) -> LogSource {
-        let n = q.len();
-        let mut table = Table::new("unlisted")
-            .numbers("t", (0..n).map(|k| apart_s * k as f64).collect::<Vec<_>>());
-        table = table.numbers("pose", (0..n).map(|k| k as f64).collect::<Vec<_>>());
-        for (j, joint) in self.joints.iter().enumerate() {
-            table = table.numbers(joint, q.iter().map(|q| q[j]).collect::<Vec<_>>());
-        }
-        for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
-            table = table.numbers(name, cop.iter().map(|y| y[axis]).collect::<Vec<_>>());
-        }
-        table.into()
-    }
-}
-
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let all: Vec<f64> = values.collect();
-    (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt()
-}
-
-/// Diagnose a log of `stage` with a kind of effect hidden, none for a sound robot; of a robot as it
-/// is bought, beside a log of when it was healthy, where `is_bought`.
-///
-/// # Errors
-/// Where the log cannot be taken or diagnosed.
-pub fn examine(
-    stage: &Stage,
-    kind: Option<Kind>,
-    is_bought: bool,
-    seed: u64,
-) -> Result<Found, Failure> {
-    let random = &mut ChaCha8Rng::seed_from_u64(seed);
-    let cad = stage.world();
-    let world = match is_bought {
-        true => World::new(&bought(&stage.robot, random), stage.support)?,
-        false => cad.clone(),
-    };
-    let bench = Bench {
-        stage,
-        world,
-        joints: stage.joint_names(),
-    };
-    let sigma = NOISE_M * stage.size;
-    let q = stage.balanced(POSTURES, random);
-    // A few postures in a row: effects may depend on the one before.
-    let few: Vec<Vec<f64>> = q.iter().take(FEW).cloned().collect();
-    let sound = bench.read(&few, None);
-    // A place where a size that robots have is seen so well.
-    let mut wanted = 0.0;
-    let hidden = kind.map(|kind| {
+    /// A place where an effect of a size that robots have is seen with a χ² of 100 to 20,000 in
+    /// `q`, its size there, and that χ².
+    fn hide(
+        &self,
+        kind: Kind,
+        q: &[Vec<f64>],
+        sigma: f64,
+        random: &mut ChaCha8Rng,
+    ) -> ((Hidden, f64), f64) {
+        // A few postures in a row: effects may depend on the one before.
+        let few = &q[..FEW];
+        let sound = self.read(few, None);
         loop {
-            wanted = 10_f64.powf(random.random_range(2.0..4.3));
+            let wanted = 10_f64.powf(random.random_range(2.0..4.3));
             let own = Hidden {
                 kind,
                 at: match kind.is_of_joint() {
-                    true => random.random_range(0..bench.joints.len()),
+                    true => random.random_range(0..self.joints.len()),
                     false => random.random_range(0..2),
                 },
-                other: random.random_range(0..bench.joints.len()),
+                other: random.random_range(0..self.joints.len()),
                 from: random.random_range(0.25..0.75),
                 phase: TAU * random.random::<f64>(),
                 waves: [2.0, 3.0, 4.0, 6.0, 8.0][random.random_range(0..5)],
@@ -381,7 +343,7 @@ pub fn examine(
                 continue;
             }
             let chi2 = |size: f64| -> f64 {
-                let bent = bench.read(&few, Some((own, size)));
+                let bent = self.read(few, Some((own, size)));
                 let gaps = bent.iter().zip(&sound);
                 let gaps = gaps.flat_map(|(a, b)| [0, 1].map(|axis| a.0[axis] - b.0[axis]));
                 let all: f64 = gaps.map(|gap| (gap / sigma).powi(2)).sum();
@@ -402,70 +364,194 @@ pub fn examine(
             let largest = if kind.is_of_joint() { 0.17 } else { 0.33 };
             let is_near = |chi2: f64| (0.8..1.25).contains(&(chi2 / wanted));
             if size < largest && is_near(chi2(size)) {
-                break (own, size);
+                return ((own, size), wanted);
             }
         }
-    });
-    let mut noisy = |read: &[([f64; 2], [f64; 3])]| -> Vec<[f64; 2]> {
-        let mut gauss = || -> f64 { StandardNormal.sample(random) };
-        read.iter()
-            .map(|(cop, _)| cop.map(|x| x + sigma * gauss()))
-            .collect()
+    }
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let all: Vec<f64> = values.collect();
+    (all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64).sqrt()
+}
+
+/// A log with an effect hidden, and postures without noise that judge what is made of it.
+#[derive(Debug)]
+pub struct Trial {
+    /// Joint or axis at which the effect acts; none for a sound robot.
+    pub place: Option<String>,
+    /// Another joint that it depends on.
+    pub other: Option<String>,
+    /// χ² of the effect in the log.
+    pub chi2: f64,
+    /// Deviation of a reading, m.
+    pub noise_m: f64,
+    /// Names of the joints.
+    pub joints: Vec<String>,
+    /// The log: joint positions and CoP.
+    pub log: Vec<(Vec<f64>, [f64; 2])>,
+    /// A log of the healthy robot, of one as it is bought.
+    pub healthy: Vec<(Vec<f64>, [f64; 2])>,
+    /// Fresh postures over the same time, with the true CoP and CoM.
+    pub fresh: Vec<(Vec<f64>, [f64; 2], [f64; 3])>,
+    hidden: Option<(Hidden, f64)>,
+}
+
+impl Trial {
+    /// Hide a kind of effect in the robot of `stage`, none for a sound robot; in one as it is
+    /// bought, with a log of when it was healthy, where `is_bought`.
+    ///
+    /// # Errors
+    /// Where there is no such robot.
+    pub fn new(
+        stage: &Stage,
+        kind: Option<Kind>,
+        is_bought: bool,
+        seed: u64,
+    ) -> Result<Trial, Failure> {
+        let random = &mut ChaCha8Rng::seed_from_u64(seed);
+        let cad = stage.world();
+        let world = match is_bought {
+            true => World::new(&bought(&stage.robot, random), stage.support)?,
+            false => cad.clone(),
+        };
+        let bench = Bench {
+            stage,
+            world,
+            joints: stage.joint_names(),
+        };
+        let sigma = NOISE_M * stage.size;
+        let q = stage.balanced(POSTURES, random);
+        let (hidden, chi2) = match kind {
+            Some(kind) => {
+                let (hidden, chi2) = bench.hide(kind, &q, sigma, random);
+                (Some(hidden), chi2)
+            }
+            None => (None, 0.0),
+        };
+        let mut noisy = |q: Vec<Vec<f64>>, hidden| -> Vec<(Vec<f64>, [f64; 2])> {
+            let read = bench.read(&q, hidden);
+            let mut gauss = || -> f64 { StandardNormal.sample(random) };
+            let postures = q.into_iter().zip(read);
+            postures
+                .map(|(q, (cop, _))| (q, cop.map(|x| x + sigma * gauss())))
+                .collect()
+        };
+        let log = noisy(q, hidden);
+        let healthy = match is_bought {
+            true => stage.balanced(HEALTHY, &mut ChaCha8Rng::seed_from_u64(!seed)),
+            false => Vec::new(),
+        };
+        let healthy = noisy(healthy, None);
+        let fresh = stage.balanced(JUDGED, &mut ChaCha8Rng::seed_from_u64(seed ^ 0x5eed));
+        let truth = bench.read(&fresh, hidden);
+        let fresh = fresh.into_iter().zip(truth);
+        Ok(Trial {
+            place: hidden.map(|(own, _)| match own.kind.is_of_joint() {
+                true => bench.joints[own.at].clone(),
+                false => ["x", "y"][own.at].to_owned(),
+            }),
+            other: hidden.map(|(own, _)| bench.joints[own.other].clone()),
+            chi2,
+            noise_m: sigma,
+            log,
+            healthy,
+            fresh: fresh.map(|(q, (cop, com))| (q, cop, com)).collect(),
+            joints: bench.joints,
+            hidden,
+        })
+    }
+
+    /// Seconds between postures of the log, and of the fresh ones.
+    pub fn apart_s(&self) -> [f64; 2] {
+        let over = APART_S * (POSTURES - 1) as f64 / (JUDGED - 1) as f64;
+        [APART_S, over]
+    }
+
+    /// Rows of a log as a table.
+    fn table<'r>(
+        &self,
+        rows: impl Iterator<Item = (&'r Vec<f64>, &'r [f64; 2])> + Clone,
+        apart_s: f64,
+    ) -> LogSource {
+        let column = |value: &dyn Fn(usize, &Vec<f64>, &[f64; 2]) -> f64| -> Vec<f64> {
+            let rows = rows.clone().enumerate();
+            rows.map(|(k, (q, cop))| value(k, q, cop)).collect()
+        };
+        let mut table = Table::new("unlisted")
+            .numbers("t", column(&|k, _, _| apart_s * k as f64))
+            .numbers("pose", column(&|k, _, _| k as f64));
+        for (j, joint) in self.joints.iter().enumerate() {
+            table = table.numbers(joint, column(&|_, q, _| q[j]));
+        }
+        for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
+            table = table.numbers(name, column(&|_, _, cop| cop[axis]));
+        }
+        table.into()
+    }
+}
+
+/// Diagnose the log of a [`Trial`].
+///
+/// # Errors
+/// Where the log cannot be taken or diagnosed.
+pub fn examine(
+    stage: &Stage,
+    kind: Option<Kind>,
+    is_bought: bool,
+    seed: u64,
+) -> Result<Found, Failure> {
+    let trial = Trial::new(stage, kind, is_bought, seed)?;
+    let hidden = trial.hidden;
+    let [apart_s, fresh_apart_s] = trial.apart_s();
+    let rows = |rows: &[(Vec<f64>, [f64; 2])]| {
+        let rows = rows.iter().map(|(q, cop)| (q, cop));
+        trial.table(rows, apart_s)
     };
-    let cop = noisy(&bench.read(&q, hidden));
     let robot = super::robot(stage)?;
-    let mut request = diagnose::Request::new(Arc::clone(&robot), bench.log(&q, &cop, APART_S));
+    let mut request = diagnose::Request::new(Arc::clone(&robot), rows(&trial.log));
     request.support = Some(stage.support.into());
-    request.noise = Some(sigma);
-    let healthy = is_bought.then(|| {
-        let q = stage.balanced(HEALTHY, &mut ChaCha8Rng::seed_from_u64(!seed));
-        let cop = noisy(&bench.read(&q, None));
-        bench.log(&q, &cop, APART_S)
-    });
-    request.healthy = healthy.into_iter().collect();
+    request.noise = Some(trial.noise_m);
+    if is_bought {
+        request.healthy = vec![rows(&trial.healthy)];
+    }
     let begun = std::time::Instant::now();
     let report = diagnose::diagnose(&request, &mut ())?;
     let seconds = begun.elapsed().as_secs_f64();
     let file = ModelFile::parse(&toml::to_string(&report.model_file)?, "model.toml")?;
-    let fresh = stage.balanced(JUDGED, &mut ChaCha8Rng::seed_from_u64(seed ^ 0x5eed));
-    let truth = bench.read(&fresh, hidden);
-    let over = APART_S * (POSTURES - 1) as f64 / (JUDGED - 1) as f64;
-    let readings: Vec<[f64; 2]> = truth.iter().map(|own| own.0).collect();
     let gaps = |file: Option<ModelFile>| -> Result<[f64; 2], Failure> {
         let mut stance = Stance::new(Arc::clone(&robot)).on(stage.support);
         if let Some(file) = file {
             stance = stance.with_parameters(file)?;
         }
-        let request = predict::Request::new(stance, bench.log(&fresh, &readings, over));
+        let fresh = trial.fresh.iter().map(|(q, cop, _)| (q, cop));
+        let request = predict::Request::new(stance, trial.table(fresh, fresh_apart_s));
         let found = predict::predict(&request, &mut ())?;
-        let cop = found.cop_m.iter().zip(&truth);
-        let cop = rms(cop.flat_map(|(p, (y, _))| [p[0] - y[0], p[1] - y[1]]));
-        let com = found.com_m.iter().zip(&truth);
-        let com = rms(com.flat_map(|(p, (_, c))| [p[0] - c[0], p[1] - c[1]]));
+        let cop = found.cop_m.iter().zip(&trial.fresh);
+        let cop = rms(cop.flat_map(|(p, (_, y, _))| [p[0] - y[0], p[1] - y[1]]));
+        let com = found.com_m.iter().zip(&trial.fresh);
+        let com = rms(com.flat_map(|(p, (_, _, c))| [p[0] - c[0], p[1] - c[1]]));
         Ok([cop, com])
     };
     let (before, after) = (gaps(None)?, gaps(Some(file))?);
     // What the masses leave once they are known is none of the effect's.
-    let of_kind = |kind: Kind| (0.06_f64).max(2.0 * (kind.unknowns() / wanted).sqrt());
+    let of_kind = |kind: Kind| (0.06_f64).max(2.0 * (kind.unknowns() / trial.chi2).sqrt());
+    let diagnosis = &report.diagnosis;
     Ok(Found {
-        place: is_at(&report.diagnosis, hidden.map(|own| own.0), &bench.joints),
-        listed: is_listed(&report.diagnosis, hidden.map(|own| own.0), &bench.joints),
-        form: kind.is_some_and(|kind| has_form(&report.diagnosis, kind)),
+        place: is_at(diagnosis, hidden.map(|own| own.0), &trial.joints),
+        listed: is_listed(diagnosis, hidden.map(|own| own.0), &trial.joints),
+        form: kind.is_some_and(|kind| has_form(diagnosis, kind)),
         said: format!(
-            "{:?} {kind:?} {} chi2 {wanted:.0}: {:?} {:?}, CoP {:.3} CoM {:.3}, {seconds:.2} s",
+            "{:?} {kind:?} {} chi2 {:.0}: {:?} {:?}, CoP {:.3} CoM {:.3}, {seconds:.2} s",
             stage.platform,
             hidden.map_or(String::new(), |(own, size)| format!(
                 "{} ({}) {size:.4}",
-                if own.kind.is_of_joint() {
-                    &bench.joints[own.at]
-                } else {
-                    ["x", "y"][own.at]
-                },
-                bench.joints[own.other]
+                trial.place.as_deref().unwrap_or_default(),
+                trial.joints[own.other]
             )),
-            report.diagnosis.verdict,
-            report
-                .diagnosis
+            trial.chi2,
+            diagnosis.verdict,
+            diagnosis
                 .indistinguishable
                 .iter()
                 .take(3)
@@ -480,8 +566,7 @@ pub fn examine(
         },
         goal: kind.map_or(f64::NAN, of_kind),
         seconds,
-        silent: report.diagnosis.steps.is_empty()
-            || report.diagnosis.verdict == Verdict::Unexplained,
+        silent: diagnosis.steps.is_empty() || diagnosis.verdict == Verdict::Unexplained,
     })
 }
 
