@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use sesc_model::Model;
 use sesc_model::chain::Body;
-use sesc_model::tree::{Axis, Coordinate, Link, Motion};
+use sesc_model::tree::{Coordinate, Link, Motion};
 
 /// Orientation and origin of a frame in the support frame, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,8 +76,8 @@ fn moved(body: &Body, q: &[f64]) -> Pose {
     }
 }
 
-fn unit(axis: Axis) -> Unit<Vector3<f64>> {
-    Unit::new_unchecked(axis.components().into())
+fn unit(axis: Vector3<f64>) -> Unit<Vector3<f64>> {
+    Unit::new_unchecked(axis)
 }
 
 fn matrix(rows: [[f64; 3]; 3]) -> Matrix3<f64> {

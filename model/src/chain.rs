@@ -12,7 +12,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::tree::{Axis, Coordinate, Motion, Tree};
+use crate::tree::{Coordinate, Motion, Tree};
 
 /// A group of links that moves as one.
 #[derive(Debug, Clone)]
@@ -138,11 +138,8 @@ pub fn expand(tree: &Tree) -> Chain {
             Motion::Fixed => place(body, rotation, anchor - rotation * edge.offset),
             motion => {
                 let motion = match motion {
-                    Motion::Prismatic {
-                        axis: Axis(axis),
-                        by,
-                    } => Motion::Prismatic {
-                        axis: Axis((orientation * axis).map(crate::snap::tidy)),
+                    Motion::Prismatic { axis, by } => Motion::Prismatic {
+                        axis: (orientation * axis).map(crate::snap::tidy),
                         by,
                     },
                     other => other,
@@ -227,11 +224,7 @@ impl Chain {
         if (body.rotation - Matrix3::identity()).norm() > 0.0 {
             factors.push(format!("A[{}]", body.joint.as_deref().unwrap_or_default()));
         }
-        if let Motion::Revolute {
-            axis: Axis(axis),
-            by,
-        } = body.motion
-        {
+        if let Motion::Revolute { axis, by } = body.motion {
             factors.push(rotation(&axis, &self.dofs[by.dof], &by));
         }
         product(factors)

@@ -91,7 +91,7 @@ impl Variable {
 struct Function {
     name: &'static str,
     takes: usize,
-    write: fn(&mut Graph, &[Id]) -> Id,
+    write: fn(&Graph, &[Id]) -> Id,
     value: fn(&[f64]) -> f64,
 }
 
@@ -281,7 +281,7 @@ impl Formula {
     /// The expression, from those of its variables and parameters.
     pub(crate) fn write(
         &self,
-        g: &mut Graph,
+        g: &Graph,
         variables: &HashMap<Variable, Id>,
         parameters: &HashMap<&str, Id>,
     ) -> Id {
@@ -302,11 +302,11 @@ impl Node {
 
     fn write(
         &self,
-        g: &mut Graph,
+        g: &Graph,
         variables: &HashMap<Variable, Id>,
         parameters: &HashMap<&str, Id>,
     ) -> Id {
-        let of = |g: &mut Graph, node: &Node| node.write(g, variables, parameters);
+        let of = |g: &Graph, node: &Node| node.write(g, variables, parameters);
         match self {
             Node::Number(x) => g.constant(*x),
             Node::Parameter(name) => parameters[name.as_str()],
@@ -385,7 +385,7 @@ impl Node {
 }
 
 /// `a^times`
-fn products(g: &mut Graph, a: Id, times: i32) -> Id {
+fn products(g: &Graph, a: Id, times: i32) -> Id {
     let one = g.constant(1.0);
     let product = (0..times.abs()).fold(one, |product, _| g.mul(product, a));
     match times < 0 {
@@ -395,7 +395,7 @@ fn products(g: &mut Graph, a: Id, times: i32) -> Id {
 }
 
 /// `a^b` of what is not negative.
-fn power(g: &mut Graph, a: Id, b: Id) -> Id {
+fn power(g: &Graph, a: Id, b: Id) -> Id {
     let least = g.constant(LEAST);
     let base = g.max(a, least);
     g.pow(base, b)

@@ -20,7 +20,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::chain::Chain;
 use crate::snap::{self, tidy};
-use crate::tree::{Axis, Coordinate, Motion};
+use crate::tree::{Coordinate, Motion};
 
 /// A constant orthogonal map between canonical frames, by its cheapest form.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,13 +72,7 @@ pub fn choose(chain: &Chain) -> Vec<Frame> {
     let mut frames: Vec<Frame> = Vec::with_capacity(chain.bodies.len());
     for (i, body) in chain.bodies.iter().enumerate() {
         let frame = match (body.motion, body.parent) {
-            (
-                Motion::Revolute {
-                    axis: Axis(axis),
-                    by,
-                },
-                Some(parent),
-            ) => {
+            (Motion::Revolute { axis, by }, Some(parent)) => {
                 let carried = revolute_children(chain, &children, i);
                 revolute_frame(&frames[parent].axes, &body.rotation, &axis, by, &carried)
             }
@@ -116,9 +110,7 @@ fn revolute_children(chain: &Chain, children: &[Vec<usize>], i: usize) -> Vec<Ca
         let body = &chain.bodies[k];
         let rotation = outer * body.rotation;
         match body.motion {
-            Motion::Revolute {
-                axis: Axis(axis), ..
-            } => found.push(Carried {
+            Motion::Revolute { axis, .. } => found.push(Carried {
                 axis: (rotation * axis).map(tidy),
                 leaf: children[k].is_empty(),
             }),

@@ -124,7 +124,7 @@ pub(crate) fn moments(robot: &Robot, loads: &[PointMass]) -> Vec<Moments> {
         places[i] = (robot.axes(parent).transpose() * place).map(tidy);
         let given = match body.motion {
             Motion::Revolute { axis, .. } => {
-                spreads[i].give_line(axis.0, body.rotation * axis.0, place)
+                spreads[i].give_line(axis, body.rotation * axis, place)
             }
             _ => Spread::point(spreads[i].mass, place),
         };
@@ -179,9 +179,9 @@ fn origins(robot: &Robot) -> Vec<Vector3<f64>> {
             (Motion::Revolute { axis, .. }, Some(parent)) => {
                 let axes = robot.axes(parent).transpose();
                 let place = axes * (body.anchor - origins[parent]);
-                let along = axes * (body.rotation * axis.0);
+                let along = axes * (body.rotation * axis);
                 let k = along.iamax();
-                axis.0 * (-place[k] / along[k])
+                axis * (-place[k] / along[k])
             }
             _ => Vector3::zeros(),
         };

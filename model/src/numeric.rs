@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::chain::Chain;
 use crate::snap;
-use crate::tree::{Axis, Coordinate, Dof, Motion};
+use crate::tree::{Coordinate, Dof, Motion};
 
 /// Value of a coordinate in posture `q`.
 fn at(by: &Coordinate, q: &[f64]) -> f64 {
@@ -20,10 +20,7 @@ pub(crate) fn orientations(chain: &Chain, q: &[f64]) -> Vec<Matrix3<f64>> {
     for body in &chain.bodies {
         let parent = body.parent.map_or_else(Matrix3::identity, |p| b[p]);
         let local = match body.motion {
-            Motion::Revolute {
-                axis: Axis(axis),
-                by,
-            } => body.rotation * snap::about(&axis, at(&by, q)),
+            Motion::Revolute { axis, by } => body.rotation * snap::about(&axis, at(&by, q)),
             _ => body.rotation,
         };
         b.push(parent * local);
@@ -37,14 +34,7 @@ pub(crate) fn full_regressor(chain: &Chain, q: &[f64]) -> DMatrix<f64> {
     let mut rows = DMatrix::zeros(3, chain.full_params);
     for (i, body) in chain.bodies.iter().enumerate() {
         rows.fixed_view_mut::<3, 3>(0, body.column).copy_from(&b[i]);
-        if let (
-            Motion::Prismatic {
-                axis: Axis(axis),
-                by,
-            },
-            Some(parent),
-        ) = (body.motion, body.parent)
-        {
+        if let (Motion::Prismatic { axis, by }, Some(parent)) = (body.motion, body.parent) {
             let along: Vector3<f64> = b[parent] * axis * at(&by, q);
             rows.fixed_view_mut::<3, 1>(0, body.column + 3)
                 .copy_from(&along);
@@ -82,12 +72,10 @@ pub fn postures(dofs: &[Dof], count: usize) -> impl Iterator<Item = Vec<f64>> + 
 pub fn wide_postures(chain: &Chain, dofs: &[Dof], count: usize) -> Vec<Vec<f64>> {
     let mut least = vec![1.0_f64; dofs.len()];
     let mut most = vec![1.0_f64; dofs.len()];
-    for body in &chain.bodies {
-        if let Motion::Revolute { by, .. } | Motion::Prismatic { by, .. } = body.motion {
-            let factor = libm::fabs(by.factor).clamp(1e-4, 1e4);
-            least[by.dof] = least[by.dof].min(factor);
-            most[by.dof] = most[by.dof].max(factor);
-        }
+    for by in chain.bodies.iter().filter_map(|b| b.motion.coordinate()) {
+        let factor = libm::fabs(by.factor).clamp(1e-4, 1e4);
+        least[by.dof] = least[by.dof].min(factor);
+        most[by.dof] = most[by.dof].max(factor);
     }
     let unit: Vec<Dof> = dofs
         .iter()

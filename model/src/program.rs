@@ -8,6 +8,8 @@ use std::collections::{HashMap, HashSet};
 
 use serde::Serialize;
 
+#[doc(hidden)]
+pub use crate::expr::operands;
 use crate::expr::{Argument, Expr, Graph, Id, Product, Vector, VectorId};
 
 /// An input array.
@@ -111,22 +113,6 @@ pub struct Program {
     pub(crate) least: HashMap<Id, f64>,
 }
 
-/// The nodes that `expr` reads.
-#[doc(hidden)]
-pub fn operands(expr: Expr) -> impl Iterator<Item = Id> {
-    let (a, b) = match expr {
-        Expr::Const(_) | Expr::Input { .. } => (None, None),
-        Expr::Neg(a) | Expr::Sin(a) | Expr::Cos(a) | Expr::Clamp(a) => (Some(a), None),
-        Expr::Add(a, b)
-        | Expr::Sub(a, b)
-        | Expr::Mul(a, b)
-        | Expr::Div(a, b)
-        | Expr::Pow(a, b)
-        | Expr::Max(a, b) => (Some(a), Some(b)),
-    };
-    a.into_iter().chain(b)
-}
-
 /// `expr` with its operands renamed.
 pub(crate) fn rename(expr: Expr, to: impl Fn(Id) -> Id) -> Expr {
     match expr {
@@ -148,28 +134,29 @@ impl Program {
     /// Keep what `outputs` need.
     #[doc(hidden)]
     pub fn new(mut graph: Graph, inputs: Vec<Array>, shape: Shape, outputs: &[Id]) -> Program {
-        let mut live = vec![false; graph.nodes.len()];
+        let made = graph.nodes.into_inner();
+        let mut live = vec![false; made.len()];
         for id in outputs {
             live[id.index()] = true;
         }
-        for k in (0..graph.nodes.len()).rev() {
+        for k in (0..made.len()).rev() {
             if live[k] {
-                for operand in operands(graph.nodes[k]) {
+                for operand in operands(made[k]) {
                     live[operand.index()] = true;
                 }
             }
         }
-        let mut new_ids: Vec<Option<Id>> = vec![None; graph.nodes.len()];
+        let mut new_ids: Vec<Option<Id>> = vec![None; made.len()];
         let mut nodes: Vec<Node> = Vec::new();
-        let mut before = vec![0; graph.nodes.len() + 1];
-        for k in 0..graph.nodes.len() {
+        let mut before = vec![0; made.len() + 1];
+        for k in 0..made.len() {
             before[k] = nodes.len();
             if !live[k] {
                 continue;
             }
             let old = Id(k as u32);
             new_ids[k] = Some(Id(nodes.len() as u32));
-            let expr = rename(graph.nodes[k], |id| live_id(&new_ids, id));
+            let expr = rename(made[k], |id| live_id(&new_ids, id));
             for operand in operands(expr) {
                 nodes[operand.index()].uses += 1;
             }
@@ -179,7 +166,7 @@ impl Program {
                 uses: 0,
             });
         }
-        before[graph.nodes.len()] = nodes.len();
+        before[made.len()] = nodes.len();
         let new_id = |id: Id| new_ids[id.index()];
         let outputs: Vec<Id> = outputs.iter().map(|id| live_id(&new_ids, *id)).collect();
         for id in &outputs {

@@ -123,17 +123,13 @@ impl Robot {
     #[doc(hidden)]
     pub fn largest_tie(&self) -> f64 {
         let mut sums = vec![1.0; self.dof()];
-        for body in self
+        for by in self
             .chain
             .bodies
             .iter()
-            .filter(|body| body.parent.is_some())
+            .filter_map(|b| b.motion.coordinate())
         {
-            if let tree::Motion::Revolute { by, .. } | tree::Motion::Prismatic { by, .. } =
-                body.motion
-            {
-                sums[by.dof] += libm::fabs(by.factor);
-            }
+            sums[by.dof] += libm::fabs(by.factor);
         }
         sums.into_iter().fold(1.0, f64::max)
     }

@@ -188,7 +188,7 @@ mod tests {
     /// never.
     fn program(seed: u64, joints: usize) -> Program {
         let mut any = Sequence(seed);
-        let mut graph = Graph::default();
+        let graph = Graph::default();
         let mut known: Vec<Id> = (0..joints)
             .map(|k| graph.input(Argument::Positions, k))
             .collect();

@@ -32,7 +32,7 @@ use edge::edge;
 use snaps::snaps;
 
 #[doc(hidden)]
-pub use edge::{Axis, Coordinate, Edge, Motion};
+pub use edge::{Coordinate, Edge, Motion};
 #[doc(hidden)]
 pub use snaps::snapped;
 #[doc(hidden)]
@@ -385,8 +385,8 @@ impl Tree {
             let (turned, origin) = frames[edge.near];
             let (own, moved) = match &edge.motion {
                 Motion::Fixed => (Matrix3::identity(), Vector3::zeros()),
-                Motion::Revolute { axis, by } => (snap::about(&axis.0, at(by)), Vector3::zeros()),
-                Motion::Prismatic { axis, by } => (Matrix3::identity(), axis.0 * at(by)),
+                Motion::Revolute { axis, by } => (snap::about(&axis, at(by)), Vector3::zeros()),
+                Motion::Prismatic { axis, by } => (Matrix3::identity(), axis * at(by)),
             };
             let place = origin + turned * (edge.anchor + moved);
             let turned = turned * edge.rotation * own;

@@ -289,8 +289,8 @@ fn bodies(skeleton: &Skeleton) -> Vec<Json> {
         };
         let (kind, axis, by) = match body.motion {
             Motion::Fixed => (0, [0.0; 3], still),
-            Motion::Revolute { axis, by } => (1, axis.components(), by),
-            Motion::Prismatic { axis, by } => (2, axis.components(), by),
+            Motion::Revolute { axis, by } => (1, axis.into(), by),
+            Motion::Prismatic { axis, by } => (2, axis.into(), by),
         };
         let numbers = |values: &[f64], digits: i32| json!(all(values, digits));
         let rotation: Vec<f64> = body.rotation().concat();

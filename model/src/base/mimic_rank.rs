@@ -7,10 +7,10 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::chain::Chain;
+use crate::chain::{Body, Chain};
 use crate::frames::Frame;
 use crate::numeric;
-use crate::tree::{Motion, Tree};
+use crate::tree::Tree;
 
 use super::types::{BaseParam, Column, Unobservable, add};
 
@@ -21,15 +21,11 @@ const DEPENDENT: f64 = 1e-12;
 /// below a tied joint. Elsewhere the averaging argument holds joint by joint.
 fn tied_bodies(tree: &Tree, chain: &Chain) -> Vec<bool> {
     let mut users = vec![0; tree.dofs.len()];
-    let by = |motion: &Motion| match motion {
-        Motion::Revolute { by, .. } | Motion::Prismatic { by, .. } => Some(by.dof),
-        Motion::Fixed => None,
-    };
-    for dof in chain.bodies.iter().filter_map(|b| by(&b.motion)) {
-        users[dof] += 1;
+    for by in chain.bodies.iter().filter_map(|b| b.motion.coordinate()) {
+        users[by.dof] += 1;
     }
-    let shared = |i: usize| by(&chain.bodies[i].motion).is_some_and(|dof| users[dof] > 1);
-    let mut tied: Vec<bool> = (0..chain.bodies.len()).map(shared).collect();
+    let shared = |body: &Body| body.motion.coordinate().is_some_and(|by| users[by.dof] > 1);
+    let mut tied: Vec<bool> = chain.bodies.iter().map(shared).collect();
     for i in 1..chain.bodies.len() {
         tied[i] |= chain.bodies[i].parent.is_some_and(|p| tied[p]);
     }

@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 use crate::chain::Chain;
 use crate::frames::Frame;
 use crate::snap::tidy;
-use crate::tree::{Axis, Motion, Tree};
+use crate::tree::{Motion, Tree};
 use mimic_rank::{tied_in_cop, untie};
 pub use types::{Base, BaseParam, Column, Unobservable};
 use types::{Form, add};
@@ -166,9 +166,7 @@ fn invisible_in_cop(
             Some(Some(up)) => {
                 let here = (body.rotation.transpose() * up).map(tidy);
                 match body.motion {
-                    Motion::Revolute {
-                        axis: Axis(axis), ..
-                    } if axis.cross(&here).norm() > 1e-14 => None,
+                    Motion::Revolute { axis, .. } if axis.cross(&here).norm() > 1e-14 => None,
                     _ => Some(here),
                 }
             }
@@ -183,12 +181,8 @@ fn invisible_in_cop(
                     .to_string()
             }
             Column::Prismatic { body } => {
-                let (
-                    Motion::Prismatic {
-                        axis: Axis(axis), ..
-                    },
-                    Some(parent),
-                ) = (chain.bodies[body].motion, chain.bodies[body].parent)
+                let (Motion::Prismatic { axis, .. }, Some(parent)) =
+                    (chain.bodies[body].motion, chain.bodies[body].parent)
                 else {
                     continue;
                 };

@@ -9,7 +9,7 @@ use crate::expr::{Expr, Id};
 use crate::program::{Program, operands};
 
 /// The analysis of one program on inputs in given ranges.
-pub(super) struct Analysis<'p> {
+struct Analysis<'p> {
     program: &'p Program,
     inputs: &'p [Vec<Input>],
     arithmetic: Arithmetic<'p>,
@@ -22,31 +22,29 @@ pub(super) struct Analysis<'p> {
     not_negative: Vec<bool>,
 }
 
-impl<'p> Analysis<'p> {
-    pub(super) fn new(
-        program: &'p Program,
-        inputs: &'p [Vec<Input>],
-        arithmetic: Arithmetic<'p>,
-    ) -> Analysis<'p> {
-        Analysis {
-            program,
-            inputs,
-            arithmetic,
-            ranges: Vec::with_capacity(program.nodes.len()),
-            vector_errors: vec![0.0; program.vectors.len()],
-            vector_norms: vec![f64::INFINITY; program.vectors.len()],
-            negatives: FxHashMap::default(),
-            not_negative: Vec::with_capacity(program.nodes.len()),
-        }
-    }
+/// What is known of each node of a program on inputs in given ranges.
+pub(super) fn ranges(
+    program: &Program,
+    inputs: &[Vec<Input>],
+    arithmetic: Arithmetic,
+) -> Vec<Range> {
+    let mut analysis = Analysis {
+        program,
+        inputs,
+        arithmetic,
+        ranges: Vec::with_capacity(program.nodes.len()),
+        vector_errors: vec![0.0; program.vectors.len()],
+        vector_norms: vec![f64::INFINITY; program.vectors.len()],
+        negatives: FxHashMap::default(),
+        not_negative: Vec::with_capacity(program.nodes.len()),
+    };
+    analysis.run();
+    analysis.ranges
+}
 
-    /// What is known of a node once the analysis has run.
-    pub(super) fn range(&self, id: Id) -> Range {
-        self.ranges[id.index()]
-    }
-
+impl Analysis<'_> {
     /// Nodes in order; a vector is settled as soon as everything it rests on is.
-    pub(super) fn run(&mut self) {
+    fn run(&mut self) {
         let program = self.program;
         let last = |ids: &[Id]| ids.iter().map(|id| id.index() + 1).max().unwrap_or(0);
         let mut ready: Vec<usize> = Vec::with_capacity(program.vectors.len());
@@ -126,12 +124,8 @@ impl<'p> Analysis<'p> {
     fn step(&self, id: Id, operand: impl Fn(Id) -> Range) -> Range {
         let expr = self.program.expr(id);
         let range = |lower: f64, upper: f64, carried: f64| {
-            let size = libm::fabs(lower).max(libm::fabs(upper)) + carried;
-            Range {
-                lower,
-                upper,
-                error: carried + self.rounding(id, size),
-            }
+            let size = Range::new(lower, upper, carried).size();
+            Range::new(lower, upper, carried + self.rounding(id, size))
         };
         match expr {
             Expr::Const(x) => {
@@ -143,25 +137,17 @@ impl<'p> Analysis<'p> {
                     Arithmetic::Float { precision, .. } => libm::fabs(x) * precision.unit(),
                     Arithmetic::Fixed(formats) => formats.rounding_of_constant(id, x),
                 };
-                Range {
-                    lower: x,
-                    upper: x,
-                    error: own + narrowed,
-                }
+                Range::new(x, x, own + narrowed)
             }
             Expr::Input { argument, index } => {
                 let input = self.inputs[self.program.slot(argument)][index as usize];
-                let size = libm::fabs(input.lower).max(libm::fabs(input.upper));
                 let narrowed = match self.arithmetic {
                     _ if !input.rounded => 0.0,
-                    Arithmetic::Float { precision, .. } => precision.unit() * size,
+                    Arithmetic::Float { precision, .. } => precision.unit() * input.size(),
                     Arithmetic::Fixed(formats) => formats.half_unit(id),
                 };
-                Range {
-                    lower: input.lower,
-                    upper: input.upper,
-                    error: input.ulps_of * U64 + input.absolute + narrowed,
-                }
+                let error = input.ulps_of * U64 + input.absolute + narrowed;
+                Range::new(input.lower, input.upper, error)
             }
             Expr::Add(a, b) => {
                 let (a, b) = (operand(a), operand(b));
@@ -173,49 +159,38 @@ impl<'p> Analysis<'p> {
             }
             Expr::Mul(a, b) => {
                 let (a, b) = (operand(a), operand(b));
-                let corners = [
+                let (lower, upper) = operations::ends([
                     a.lower * b.lower,
                     a.lower * b.upper,
                     a.upper * b.lower,
                     a.upper * b.upper,
-                ];
-                let exact = libm::fabs(b.lower).max(libm::fabs(b.upper));
+                ]);
+                let exact = Range::exact(b.lower, b.upper).size();
                 let carried = times(a.size(), b.error) + times(exact, a.error);
-                range(
-                    corners.iter().copied().fold(f64::INFINITY, f64::min),
-                    corners.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                    carried,
-                )
+                range(lower, upper, carried)
             }
             Expr::Neg(a) => {
                 let a = operand(a);
-                Range {
-                    lower: -a.upper,
-                    upper: -a.lower,
-                    error: a.error,
-                }
+                Range::new(-a.upper, -a.lower, a.error)
             }
             // |sin'| ≤ 1.
-            Expr::Sin(a) | Expr::Cos(a) => Range {
-                lower: -1.0,
-                upper: 1.0,
-                error: operand(a).error + self.kernel(operand(a).size()),
-            },
+            Expr::Sin(a) | Expr::Cos(a) => {
+                let a = operand(a);
+                Range::new(-1.0, 1.0, a.error + self.kernel(a.size()))
+            }
             Expr::Clamp(a) => operations::clamped(operand(a)),
             Expr::Max(a, b) => {
                 let mut larger = operations::larger(operand(a), operand(b));
                 if self.is_size(a, b) {
                     larger.lower = larger.lower.max(0.0);
                 }
-                Range {
-                    error: larger.error + self.rounding(id, 0.0),
-                    ..larger
-                }
+                larger.error += self.rounding(id, 0.0);
+                larger
             }
-            Expr::Div(a, b) => match operations::quotient(operand(a), operand(b)) {
-                Some(exact) => range(exact.lower, exact.upper, exact.error),
-                None => operations::UNBOUNDED,
-            },
+            Expr::Div(a, b) => operations::quotient(operand(a), operand(b))
+                .map_or(operations::UNBOUNDED, |exact| {
+                    range(exact.lower, exact.upper, exact.error)
+                }),
             Expr::Pow(a, b) => {
                 // A maximum with a constant is computed as no less than that.
                 let floor = match self.program.expr(a) {
@@ -271,13 +246,7 @@ impl<'p> Analysis<'p> {
                     continue;
                 }
                 let size = self.ranges[id.index()].size();
-                // Computed values, taken as exact starting points.
-                let exact = Range {
-                    lower: -size,
-                    upper: size,
-                    error: 0.0,
-                };
-                sources.insert(id, exact);
+                sources.insert(id, Range::exact(-size, size));
             }
         }
         if let Some(scale) = vector.scale {
@@ -286,13 +255,7 @@ impl<'p> Analysis<'p> {
             inherited = times(factor.size(), inherited) + times(extent, factor.error);
             extent = times(exact, extent);
             if !self.has_other_roles(scale) {
-                let (lower, upper) = (-factor.size(), factor.size());
-                let exact = Range {
-                    lower,
-                    upper,
-                    error: 0.0,
-                };
-                sources.insert(scale, exact);
+                sources.insert(scale, Range::exact(-factor.size(), factor.size()));
             }
         }
         let norm = vector.norm.unwrap_or(extent);
@@ -327,11 +290,7 @@ impl<'p> Analysis<'p> {
     /// cosine, a constant, an input. Its error as a weight must not vanish, so
     /// it is no exact starting point; its error then counts twice.
     fn has_other_roles(&self, id: Id) -> bool {
-        let leaf = matches!(
-            self.program.expr(id),
-            Expr::Const(_) | Expr::Input { .. } | Expr::Sin(_) | Expr::Cos(_)
-        );
-        leaf || self.program.weights.contains(&id)
+        is_leaf(self.program.expr(id)) || self.program.weights.contains(&id)
     }
 
     /// What is known of a node holds for its negative too.
@@ -354,25 +313,19 @@ impl<'p> Analysis<'p> {
                 continue;
             }
             let expr = self.program.expr(top);
-            let leaf = matches!(
-                expr,
-                Expr::Const(_) | Expr::Input { .. } | Expr::Sin(_) | Expr::Cos(_)
-            );
+            let leaf = is_leaf(expr);
             let missing: Vec<Id> = operands(expr)
                 .filter(|x| !leaf && !sources.contains_key(x))
                 .collect();
             if missing.is_empty() {
-                let range = match leaf {
-                    true => self.ranges[top.index()],
-                    false => {
-                        let mut range = self.step(top, |x| sources[&x]);
-                        // What is known of the node globally holds here too.
-                        let known = self.ranges[top.index()];
-                        range.lower = range.lower.max(known.lower - known.error);
-                        range.upper = range.upper.min(known.upper + known.error);
-                        range
-                    }
-                };
+                let known = self.ranges[top.index()];
+                let mut range = known;
+                if !leaf {
+                    range = self.step(top, |x| sources[&x]);
+                    // What is known of the node globally holds here too.
+                    range.lower = range.lower.max(known.lower - known.error);
+                    range.upper = range.upper.min(known.upper + known.error);
+                }
                 sources.insert(top, range);
                 stack.pop();
             } else {
@@ -387,27 +340,25 @@ impl<'p> Analysis<'p> {
         let product = self.program.products[p];
         let [a, b] = product.factors;
         let (va, vb) = (self.program.vector(a), self.program.vector(b));
-        let (ea, eb) = (
-            self.vector_errors[a.0 as usize],
-            self.vector_errors[b.0 as usize],
-        );
         let mut sources: FxHashMap<Id, Range> = FxHashMap::default();
         for &id in va.entries.iter().chain(&vb.entries) {
             if self.has_other_roles(id) {
                 continue;
             }
             let known = self.ranges[id.index()];
-            let exact = Range {
-                lower: known.lower - known.error,
-                upper: known.upper + known.error,
-                error: 0.0,
-            };
-            sources.insert(id, exact);
+            let (lower, upper) = (known.lower - known.error, known.upper + known.error);
+            sources.insert(id, Range::exact(lower, upper));
         }
         let local = self.local(product.entry, &mut sources);
+        let [ea, eb] = product.factors.map(|v| self.vector_errors[v.0 as usize]);
         let [na, nb] = product.factors.map(|v| self.vector_norms[v.0 as usize]);
         let error = times(na, eb) + times(nb, ea) + times(ea, eb) + local;
         let limit = times(na, nb);
         self.tighten(product.entry, error, limit);
     }
+}
+
+fn is_leaf(expr: Expr) -> bool {
+    let leaf = matches!(expr, Expr::Sin(_) | Expr::Cos(_));
+    leaf || operands(expr).next().is_none()
 }

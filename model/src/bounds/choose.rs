@@ -1,6 +1,6 @@
 //! The choice of binary points: sizes from the analysis of ranges, then proof that all fits.
 
-use super::analysis::Analysis;
+use super::analysis::ranges;
 use super::fixed::{
     FEWEST_OF_ANGLES, Formats, MOST, Overflow, Quantity, Unfit, capacity, fitting, unit,
 };
@@ -24,12 +24,8 @@ impl Formats {
             precision: Precision::F32,
             largest_angle: f64::INFINITY,
         };
-        let mut analysis = Analysis::new(program, inputs, like_floats);
-        analysis.run();
-        let largest = |array: &[Input]| {
-            let size = |x: &Input| libm::fabs(x.lower).max(libm::fabs(x.upper));
-            array.iter().map(size).fold(0.0, f64::max)
-        };
+        let rough = ranges(program, inputs, like_floats);
+        let largest = |array: &[Input]| array.iter().map(Input::size).fold(0.0, f64::max);
         // A little room for the rounding of what is passed in.
         let array = |array: &Vec<Input>| fitting(largest(array) * (1.0 + unit(30)));
         let mut formats = Formats {
@@ -40,53 +36,48 @@ impl Formats {
         };
         formats.join_sines(program);
         for (array, inputs) in program.inputs.iter().zip(inputs) {
-            let size = |x: &Input| libm::fabs(x.lower).max(libm::fabs(x.upper));
-            if let Some(k) = inputs.iter().position(|x| fitting(size(x)) < 0) {
-                let overflow = Overflow {
-                    quantity: Quantity::Input {
-                        argument: array.argument,
-                        index: k,
-                    },
-                    size: size(&inputs[k]),
+            if let Some(index) = inputs.iter().position(|x| fitting(x.size()) < 0) {
+                let argument = array.argument;
+                return Err(Unfit::Overflow(Overflow {
+                    quantity: Quantity::Input { argument, index },
+                    size: inputs[index].size(),
                     angle: false,
-                };
-                return Err(overflow.into());
+                }));
             }
         }
         for (id, node) in program.iter() {
             let bits = match node.expr {
                 Expr::Const(x) => fitting(libm::fabs(x)),
-                Expr::Input { argument, .. } => formats.arrays[program.slot(argument)],
-                Expr::Sin(_) | Expr::Cos(_) | Expr::Clamp(_) => MOST,
-                Expr::Neg(a) => formats.of(a),
-                // A product or sum may not have more bits than what it is made of.
-                Expr::Mul(a, b) => {
-                    fitting(analysis.range(id).size()).min(formats.of(a) + formats.of(b))
+                Expr::Add(..) | Expr::Sub(..) | Expr::Mul(..) | Expr::Max(..) => {
+                    fitting(rough[id.index()].size()).min(formats.most(program, node.expr))
                 }
-                // Constants take the format of the sum, which must hold them too.
-                Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Max(a, b) => {
-                    let least = formats.of(a).min(formats.of(b));
-                    fitting(analysis.range(id).size()).min(least)
-                }
-                Expr::Div(..) | Expr::Pow(..) => {
-                    unreachable!("programs with these were refused")
-                }
+                other => formats.most(program, other),
             };
             if bits < 0 {
-                return Err(overflow(program, id, analysis.range(id).size()).into());
+                return Err(overflow(program, id, rough[id.index()].size()));
             }
             formats.nodes.push(bits);
         }
-        formats.check_angles(program, &analysis)?;
+        for (_, node) in program.iter() {
+            if let Expr::Sin(a) | Expr::Cos(a) = node.expr
+                && formats.of(a) < FEWEST_OF_ANGLES
+            {
+                let size = rough[a.index()].size();
+                let (quantity, angle) = (quantity(program, a), true);
+                return Err(Unfit::Overflow(Overflow {
+                    quantity,
+                    size,
+                    angle,
+                }));
+            }
+        }
         // Ranges hold errors, and errors depend on the formats: prove that all fits.
         for _ in 0..=MOST {
-            let mut analysis = Analysis::new(program, inputs, Arithmetic::Fixed(&formats));
-            analysis.run();
-            let ids = || program.iter().map(|(id, _)| id);
-            let sizes: Vec<f64> = ids().map(|id| analysis.range(id).size()).collect();
+            let ranges = ranges(program, inputs, Arithmetic::Fixed(&formats));
+            let sizes: Vec<f64> = ranges.iter().map(|range| range.size()).collect();
             let size = |id: Id| sizes[id.index()];
             let tight = |id: &Id| size(*id) > capacity(formats.of(*id));
-            let tight: Vec<Id> = ids().filter(tight).collect();
+            let tight: Vec<Id> = program.iter().map(|(id, _)| id).filter(tight).collect();
             if tight.is_empty() {
                 formats.output = formats.coarsest_output(program);
                 formats.sizes = sizes;
@@ -94,7 +85,7 @@ impl Formats {
             }
             for id in tight {
                 if formats.of(id) <= 0 || !size(id).is_finite() {
-                    return Err(overflow(program, id, size(id)).into());
+                    return Err(overflow(program, id, size(id)));
                 }
                 formats.nodes[id.index()] -= 1;
                 if let Expr::Input { argument, .. } = program.expr(id) {
@@ -105,26 +96,21 @@ impl Formats {
             formats.settle(program);
         }
         let id = program.outputs.first().copied().unwrap_or(Id(0));
-        Err(overflow(program, id, f64::INFINITY).into())
-    }
-
-    fn check_angles(&self, program: &Program, analysis: &Analysis) -> Result<(), Overflow> {
-        for (_, node) in program.iter() {
-            if let Expr::Sin(a) | Expr::Cos(a) = node.expr
-                && self.of(a) < FEWEST_OF_ANGLES
-            {
-                return Err(Overflow {
-                    angle: true,
-                    ..overflow(program, a, analysis.range(a).size())
-                });
-            }
-        }
-        Ok(())
+        Err(overflow(program, id, f64::INFINITY))
     }
 }
 
-fn overflow(program: &Program, id: Id, size: f64) -> Overflow {
-    let quantity = match (program.expr(id), &program.nodes[id.index()].name) {
+fn overflow(program: &Program, id: Id, size: f64) -> Unfit {
+    Unfit::Overflow(Overflow {
+        quantity: quantity(program, id),
+        size,
+        angle: false,
+    })
+}
+
+/// What a message calls node `id`.
+fn quantity(program: &Program, id: Id) -> Quantity {
+    match (program.expr(id), &program.nodes[id.index()].name) {
         (Expr::Input { argument, index }, _) => Quantity::Input {
             argument,
             index: index as usize,
@@ -137,10 +123,5 @@ fn overflow(program: &Program, id: Id, size: f64) -> Overflow {
                 None => Quantity::Intermediate,
             }
         }
-    };
-    Overflow {
-        quantity,
-        size,
-        angle: false,
     }
 }

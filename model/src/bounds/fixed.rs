@@ -81,12 +81,6 @@ pub enum Unfit {
     Operation,
 }
 
-impl From<Overflow> for Unfit {
-    fn from(overflow: Overflow) -> Unfit {
-        Unfit::Overflow(overflow)
-    }
-}
-
 impl Formats {
     /// Fraction bits of node `id`.
     pub fn of(&self, id: Id) -> i32 {
@@ -157,17 +151,23 @@ impl Formats {
         bits.min().unwrap_or(MOST)
     }
 
+    /// Most fraction bits of a node: no more than what it is made of.
+    pub(super) fn most(&self, program: &Program, expr: Expr) -> i32 {
+        match expr {
+            Expr::Input { argument, .. } => self.arrays[program.slot(argument)],
+            Expr::Neg(a) => self.of(a),
+            Expr::Mul(a, b) => self.of(a) + self.of(b),
+            // Constants take the format of the sum, which must hold them too.
+            Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Max(a, b) => self.of(a).min(self.of(b)),
+            _ => MOST,
+        }
+    }
+
     /// Lower what rests on a node that was lowered.
     pub(super) fn settle(&mut self, program: &Program) {
         self.join_sines(program);
         for (id, node) in program.iter() {
-            let most = match node.expr {
-                Expr::Input { argument, .. } => self.arrays[program.slot(argument)],
-                Expr::Neg(a) => self.of(a),
-                Expr::Mul(a, b) => self.of(a) + self.of(b),
-                Expr::Add(a, b) | Expr::Sub(a, b) | Expr::Max(a, b) => self.of(a).min(self.of(b)),
-                _ => MOST,
-            };
+            let most = self.most(program, node.expr);
             let bits = &mut self.nodes[id.index()];
             *bits = (*bits).min(most);
         }

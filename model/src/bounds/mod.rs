@@ -23,7 +23,7 @@ mod operations;
 mod range;
 
 use crate::program::Program;
-use analysis::Analysis;
+use analysis::ranges;
 #[doc(hidden)]
 pub use fixed::{Formats, Overflow, Quantity, Unfit};
 #[doc(hidden)]
@@ -94,6 +94,18 @@ impl Input {
             rounded: false,
         }
     }
+
+    /// One that is rounded to the working precision.
+    pub fn rounded(lower: f64, upper: f64) -> Input {
+        let rounded = true;
+        let exact = Input::exact(lower, upper);
+        Input { rounded, ..exact }
+    }
+
+    /// Its largest magnitude.
+    fn size(&self) -> f64 {
+        libm::fabs(self.lower).max(libm::fabs(self.upper))
+    }
 }
 
 /// The result of the analysis.
@@ -138,9 +150,8 @@ pub fn prove_fixed(program: &Program, inputs: &[Vec<Input>], formats: &Formats) 
 }
 
 fn bound(program: &Program, inputs: &[Vec<Input>], arithmetic: Arithmetic) -> Bound {
-    let mut analysis = Analysis::new(program, inputs, arithmetic);
-    analysis.run();
-    let error = |id: &crate::expr::Id| match analysis.range(*id).error * MARGIN {
+    let ranges = ranges(program, inputs, arithmetic);
+    let error = |id: &crate::expr::Id| match ranges[id.index()].error * MARGIN {
         // A maximum would pass over a NaN.
         error if error.is_nan() => f64::INFINITY,
         error => error,

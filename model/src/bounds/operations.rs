@@ -16,11 +16,7 @@ use super::range::{Range, times};
 const POWER_ULPS: f64 = 1.0;
 
 /// Nothing is known.
-pub(super) const UNBOUNDED: Range = Range {
-    lower: f64::NEG_INFINITY,
-    upper: f64::INFINITY,
-    error: f64::INFINITY,
-};
+pub(super) const UNBOUNDED: Range = Range::new(f64::NEG_INFINITY, f64::INFINITY, f64::INFINITY);
 
 /// Enclosure of `a / b` and the error that operands carry into it.
 pub(super) fn quotient(a: Range, b: Range) -> Option<Range> {
@@ -35,12 +31,8 @@ pub(super) fn quotient(a: Range, b: Range) -> Option<Range> {
         a.upper / b.lower,
         a.upper / b.upper,
     ]);
-    let largest = libm::fabs(lower).max(libm::fabs(upper));
-    Some(Range {
-        lower,
-        upper,
-        error: (a.error + largest * b.error) / least,
-    })
+    let error = (a.error + largest([lower, upper]) * b.error) / least;
+    Some(Range::new(lower, upper, error))
 }
 
 /// The number in [-1, 1] nearest to `a`: no error grows, none exceeds the width.
@@ -49,11 +41,8 @@ pub(super) fn clamped(a: Range) -> Range {
     if !a.error.is_finite() {
         return UNBOUNDED;
     }
-    Range {
-        lower: a.lower.clamp(-1.0, 1.0),
-        upper: a.upper.clamp(-1.0, 1.0),
-        error: a.error.min(2.0),
-    }
+    let [lower, upper] = [a.lower, a.upper].map(|end| end.clamp(-1.0, 1.0));
+    Range::new(lower, upper, a.error.min(2.0))
 }
 
 /// The larger of `a` and `b`: it moves by no more than either.
@@ -97,25 +86,17 @@ pub(super) fn power(a: Range, b: Range, floor: Option<f64>, unit: f64) -> Option
     let carried = by_base + by_exponent;
     // An ulp is at most twice the unit roundoff of its number.
     let own = 2.0 * POWER_ULPS * unit * (upper + carried);
-    let found = Range {
-        lower,
-        upper,
-        error: carried + own,
-    };
+    let found = Range::new(lower, upper, carried + own);
     found.is_bounded().then_some(found)
 }
 
 /// a^b at the corners of a box: it is monotone in each, so ends are among them.
 fn corners(a: [f64; 2], b: [f64; 2]) -> [f64; 4] {
-    [
-        libm::pow(a[0], b[0]),
-        libm::pow(a[0], b[1]),
-        libm::pow(a[1], b[0]),
-        libm::pow(a[1], b[1]),
-    ]
+    [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| libm::pow(a[i], b[j]))
 }
 
-fn ends(values: [f64; 4]) -> (f64, f64) {
+/// Least and largest of these.
+pub(super) fn ends(values: [f64; 4]) -> (f64, f64) {
     let lower = values.iter().copied().fold(f64::INFINITY, f64::min);
     let upper = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (lower, upper)
@@ -167,11 +148,7 @@ mod tests {
     const U: f64 = 1.1102230246251565e-16;
 
     fn range(lower: f64, upper: f64, error: f64) -> Range {
-        Range {
-            lower,
-            upper,
-            error,
-        }
+        Range::new(lower, upper, error)
     }
 
     #[test]

@@ -9,6 +9,19 @@ pub(super) struct Range {
 }
 
 impl Range {
+    pub(super) const fn new(lower: f64, upper: f64, error: f64) -> Range {
+        Range {
+            lower,
+            upper,
+            error,
+        }
+    }
+
+    /// What is computed, taken as it is: a starting point without an error.
+    pub(super) fn exact(lower: f64, upper: f64) -> Range {
+        Range::new(lower, upper, 0.0)
+    }
+
     /// Largest magnitude of the computed value.
     pub(super) fn size(self) -> f64 {
         libm::fabs(self.lower).max(libm::fabs(self.upper)) + self.error

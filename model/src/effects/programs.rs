@@ -59,7 +59,7 @@ pub fn reading(context: &EffectContext, instances: &[Instance], params: &[f64]) 
 pub fn reading_by_masses(context: &EffectContext, instances: &[Instance]) -> Program {
     let params = context.robot.base.params.len();
     let unbounded = Parameters::Argument(vec![f64::INFINITY; params]);
-    let (mut measured, unknowns) = written(context, instances, ContextSource::Log, unbounded);
+    let (measured, unknowns) = written(context, instances, ContextSource::Log, unbounded);
     let masses: Vec<Id> = (0..params)
         .map(|k| measured.g().input(Argument::Parameters, k))
         .collect();
@@ -76,7 +76,7 @@ pub fn reading_by_masses(context: &EffectContext, instances: &[Instance]) -> Pro
 pub fn resting_reading(context: &EffectContext, instances: &[Instance]) -> Program {
     let params = context.robot.base.params.len();
     let unbounded = Parameters::Argument(vec![f64::INFINITY; params]);
-    let (mut measured, unknowns) = written(context, instances, ContextSource::Resting, unbounded);
+    let (measured, unknowns) = written(context, instances, ContextSource::Resting, unbounded);
     let mut outputs = measured.reading.to_vec();
     let zero = measured.constant(0.0);
     let sides = measured.sides.iter().map(|side| side.unwrap_or(zero));
@@ -200,7 +200,7 @@ pub fn other_sole_by_joints(robot: &crate::Robot, (link, below_m): (usize, f64))
 
 /// Rows of values, each with its derivatives by `unknowns`.
 fn slopes_beside(
-    mut measured: Measured,
+    measured: Measured,
     values: &[Id],
     unknowns: &[Id],
     inputs: Vec<Array>,

@@ -38,85 +38,53 @@ impl Graph {
     /// ∂`of`/∂`with_respect_to` for each of `of`; the variable is an input node.
     ///
     /// One forward pass over the nodes: nothing is derived twice.
-    pub fn derivative(&mut self, of: &[Id], with_respect_to: Id) -> Vec<Id> {
-        let one = self.constant(1.0);
-        self.forward(
-            of,
-            &HashMap::from([(with_respect_to, one)]),
-            Corner::Crossed,
-        )
+    pub fn derivative(&self, of: &[Id], with_respect_to: Id) -> Vec<Id> {
+        let rates = HashMap::from([(with_respect_to, self.constant(1.0))]);
+        self.forward(of, &rates, Corner::Crossed)
     }
 
     /// The rates of each of `of` as input nodes change at `rates`, where no clamp leaves
     /// the side that it is on.
-    pub fn rates(&mut self, of: &[Id], rates: &HashMap<Id, Id>) -> Vec<Id> {
+    pub fn rates(&self, of: &[Id], rates: &HashMap<Id, Id>) -> Vec<Id> {
         self.forward(of, rates, Corner::Held)
     }
 
-    fn forward(&mut self, of: &[Id], inputs: &HashMap<Id, Id>, corner: Corner) -> Vec<Id> {
+    fn forward(&self, of: &[Id], inputs: &HashMap<Id, Id>, corner: Corner) -> Vec<Id> {
         let zero = self.constant(0.0);
         let last = of.iter().map(|id| id.index() + 1).max().unwrap_or(0);
         let mut d = vec![zero; last];
         for k in 0..last {
             let id = Id(k as u32);
+            let rate = |x: Id| d[x.index()];
             d[k] = match self.expr(id) {
                 Expr::Const(_) => zero,
                 Expr::Input { .. } => inputs.get(&id).copied().unwrap_or(zero),
-                Expr::Add(a, b) => self.add(d[a.index()], d[b.index()]),
-                Expr::Sub(a, b) => self.sub(d[a.index()], d[b.index()]),
-                Expr::Mul(a, b) => {
-                    let left = self.mul(d[a.index()], b);
-                    let right = self.mul(a, d[b.index()]);
-                    self.add(left, right)
-                }
-                Expr::Neg(a) => self.neg(d[a.index()]),
-                Expr::Sin(a) => {
-                    let c = self.cos(a);
-                    self.mul(c, d[a.index()])
-                }
-                Expr::Cos(a) => {
-                    let s = self.sin(a);
-                    let product = self.mul(s, d[a.index()]);
-                    self.neg(product)
-                }
+                Expr::Add(a, b) => self.add(rate(a), rate(b)),
+                Expr::Sub(a, b) => self.sub(rate(a), rate(b)),
+                Expr::Mul(a, b) => self.add(self.mul(rate(a), b), self.mul(a, rate(b))),
+                Expr::Neg(a) => self.neg(rate(a)),
+                Expr::Sin(a) => self.mul(self.cos(a), rate(a)),
+                Expr::Cos(a) => self.neg(self.mul(self.sin(a), rate(a))),
                 Expr::Div(a, b) => {
-                    let carried = self.mul(id, d[b.index()]);
-                    let rest = self.sub(d[a.index()], carried);
-                    self.div(rest, b)
+                    let carried = self.mul(id, rate(b));
+                    self.div(self.sub(rate(a), carried), b)
                 }
                 Expr::Clamp(_) if corner == Corner::Held => zero,
-                Expr::Clamp(a) => {
-                    let inner = d[a.index()];
-                    self.chain(inner, CLAMP_STEP, |g, h| {
-                        let moved = g.add(a, h);
-                        g.clamp(moved)
-                    })
-                }
+                Expr::Clamp(a) => self.chain(rate(a), CLAMP_STEP, |h| self.clamp(self.add(a, h))),
                 Expr::Max(a, b) => {
-                    let (first, second) = (d[a.index()], d[b.index()]);
-                    let difference = self.sub(first, second);
+                    let difference = self.sub(rate(a), rate(b));
                     let by_side = match self.value(difference) {
                         Some(0.0) => zero,
-                        _ => {
-                            let side = self.side(a, b);
-                            self.mul(side, difference)
-                        }
+                        _ => self.mul(self.side(a, b), difference),
                     };
-                    self.add(second, by_side)
+                    self.add(rate(b), by_side)
                 }
                 Expr::Pow(a, b) => {
-                    let (base, exponent) = (d[a.index()], d[b.index()]);
                     // (a^b)' = b a^(b-1) a' + slope in b
-                    let one = self.constant(1.0);
-                    let lower = self.sub(b, one);
-                    let power = self.pow(a, lower);
-                    let slope = self.mul(b, power);
-                    let left = self.mul(slope, base);
-                    let right = self.chain(exponent, POWER_STEP, |g, h| {
-                        let moved = g.add(b, h);
-                        g.pow(a, moved)
-                    });
-                    self.add(left, right)
+                    let power = self.pow(a, self.sub(b, self.constant(1.0)));
+                    let left = self.mul(self.mul(b, power), rate(a));
+                    let by_exponent = |h| self.pow(a, self.add(b, h));
+                    self.add(left, self.chain(rate(b), POWER_STEP, by_exponent))
                 }
             };
         }
@@ -124,31 +92,25 @@ impl Graph {
     }
 
     /// 1 where `a` is the larger, 0 where `b` is.
-    fn side(&mut self, a: Id, b: Id) -> Id {
-        let difference = self.sub(a, b);
-        let sign = self.sign(difference);
+    fn side(&self, a: Id, b: Id) -> Id {
+        let sign = self.sign(self.sub(a, b));
         let half = self.constant(0.5);
-        let scaled = self.mul(half, sign);
-        self.add(scaled, half)
+        self.add(self.mul(half, sign), half)
     }
 
     /// The sign of `a`; what is next to zero lies between.
-    pub fn sign(&mut self, a: Id) -> Id {
-        let steep = self.constant(STEEP);
-        let scaled = self.mul(steep, a);
-        self.clamp(scaled)
+    pub fn sign(&self, a: Id) -> Id {
+        self.clamp(self.mul(self.constant(STEEP), a))
     }
 
     /// `inner` times the slope of `f`, a central difference over ±`step`.
-    fn chain(&mut self, inner: Id, step: f64, f: impl Fn(&mut Graph, Id) -> Id) -> Id {
+    fn chain(&self, inner: Id, step: f64, f: impl Fn(Id) -> Id) -> Id {
         if self.value(inner) == Some(0.0) {
             return inner;
         }
-        let (h, minus_h) = (self.constant(step), self.constant(-step));
-        let (ahead, behind) = (f(self, h), f(self, minus_h));
+        let [ahead, behind] = [step, -step].map(|h| self.constant(h)).map(f);
         let difference = self.sub(ahead, behind);
-        let scale = self.constant(0.5 / step);
-        let slope = self.mul(scale, difference);
+        let slope = self.mul(self.constant(0.5 / step), difference);
         self.mul(slope, inner)
     }
 }
@@ -160,7 +122,7 @@ mod tests {
 
     #[test]
     fn product_and_chain_rule() {
-        let mut g = Graph::default();
+        let g = Graph::default();
         let (x, y) = (
             g.input(Argument::Positions, 0),
             g.input(Argument::Positions, 1),

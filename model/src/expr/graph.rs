@@ -9,7 +9,9 @@
 //! of others. Scalar interval arithmetic loses this (each rotation widens a box
 //! by √2); the rounding analysis in `bounds` lives on it.
 
+use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
+use std::mem::{Discriminant, discriminant};
 
 use rustc_hash::FxHashMap;
 
@@ -60,21 +62,36 @@ pub enum Expr {
     Max(Id, Id),
 }
 
-/// A node's identity for hash-consing: commutative operands sorted, floats by bits.
-#[derive(PartialEq, Eq, Hash)]
-enum Key {
-    Const(u64),
-    Input(Argument, u32),
-    Add(Id, Id),
-    Sub(Id, Id),
-    Mul(Id, Id),
-    Div(Id, Id),
-    Neg(Id),
-    Sin(Id),
-    Cos(Id),
-    Clamp(Id),
-    Pow(Id, Id),
-    Max(Id, Id),
+/// The nodes that `expr` reads.
+pub fn operands(expr: Expr) -> impl Iterator<Item = Id> {
+    let (a, b) = match expr {
+        Expr::Const(_) | Expr::Input { .. } => (None, None),
+        Expr::Neg(a) | Expr::Sin(a) | Expr::Cos(a) | Expr::Clamp(a) => (Some(a), None),
+        Expr::Add(a, b)
+        | Expr::Sub(a, b)
+        | Expr::Mul(a, b)
+        | Expr::Div(a, b)
+        | Expr::Pow(a, b)
+        | Expr::Max(a, b) => (Some(a), Some(b)),
+    };
+    a.into_iter().chain(b)
+}
+
+/// A node's identity for hash-consing.
+type Key = (Discriminant<Expr>, [u64; 2]);
+
+/// Commutative operands are sorted, floats go by their bits.
+fn key(expr: Expr) -> Key {
+    let place = |id: Option<Id>| id.map_or(0, |id| u64::from(id.0));
+    let mut of = operands(expr);
+    let mut of = [of.next(), of.next()].map(place);
+    match expr {
+        Expr::Const(x) => of = [x.to_bits(), 0],
+        Expr::Input { argument, index } => of = [argument as u64, u64::from(index)],
+        Expr::Add(..) | Expr::Mul(..) | Expr::Max(..) => of.sort_unstable(),
+        _ => {}
+    }
+    (discriminant(&expr), of)
 }
 
 /// A vector of nodes, see [`Graph::know`].
@@ -105,10 +122,10 @@ pub struct Product {
     pub factors: [VectorId; 2],
 }
 
-/// Expressions under construction.
+/// Expressions under construction. Nodes are made by shared reference, so that expressions nest.
 #[derive(Default)]
 pub struct Graph {
-    pub(crate) nodes: Vec<Expr>,
+    pub(crate) nodes: RefCell<Vec<Expr>>,
     pub(crate) names: HashMap<Id, String>,
     pub(crate) sections: Vec<(usize, String)>,
     pub(crate) vectors: Vec<Vector>,
@@ -116,13 +133,13 @@ pub struct Graph {
     pub(crate) weights: HashSet<Id>,
     /// What nodes are no less than, as the caller promises.
     pub(crate) least: HashMap<Id, f64>,
-    index: FxHashMap<Key, Id>,
+    index: RefCell<FxHashMap<Key, Id>>,
 }
 
 impl Graph {
     /// What node `id` is.
     pub fn expr(&self, id: Id) -> Expr {
-        self.nodes[id.index()]
+        self.nodes.borrow()[id.index()]
     }
 
     /// Give a node the name it will carry in generated code; the first one stays.
@@ -137,7 +154,8 @@ impl Graph {
     pub fn section(&mut self, title: impl Into<String>) {
         let title = title.into();
         if self.sections.last().is_none_or(|(_, last)| *last != title) {
-            self.sections.push((self.nodes.len(), title));
+            let place = self.nodes.borrow().len();
+            self.sections.push((place, title));
         }
     }
 
@@ -200,7 +218,7 @@ impl Graph {
     }
 
     /// The node without its sign.
-    fn unsigned(&self, id: Id) -> Id {
+    pub(super) fn unsigned(&self, id: Id) -> Id {
         match self.expr(id) {
             Expr::Neg(x) => x,
             _ => id,
@@ -208,33 +226,9 @@ impl Graph {
     }
 
     /// The node for `expr`, made if it is new. Rules have been applied already.
-    pub(crate) fn intern(&mut self, expr: Expr) -> Id {
-        let sorted = |a: Id, b: Id| if a <= b { (a, b) } else { (b, a) };
-        let key = match expr {
-            Expr::Const(x) => Key::Const(x.to_bits()),
-            Expr::Input { argument, index } => Key::Input(argument, index),
-            Expr::Add(a, b) => {
-                let (a, b) = sorted(a, b);
-                Key::Add(a, b)
-            }
-            Expr::Sub(a, b) => Key::Sub(a, b),
-            Expr::Mul(a, b) => {
-                let (a, b) = sorted(a, b);
-                Key::Mul(a, b)
-            }
-            Expr::Div(a, b) => Key::Div(a, b),
-            Expr::Neg(a) => Key::Neg(a),
-            Expr::Sin(a) => Key::Sin(a),
-            Expr::Cos(a) => Key::Cos(a),
-            Expr::Clamp(a) => Key::Clamp(a),
-            Expr::Pow(a, b) => Key::Pow(a, b),
-            Expr::Max(a, b) => {
-                let (a, b) = sorted(a, b);
-                Key::Max(a, b)
-            }
-        };
-        let nodes = &mut self.nodes;
-        *self.index.entry(key).or_insert_with(|| {
+    pub(crate) fn intern(&self, expr: Expr) -> Id {
+        *self.index.borrow_mut().entry(key(expr)).or_insert_with(|| {
+            let mut nodes = self.nodes.borrow_mut();
             let id = u32::try_from(nodes.len()).expect("a graph of 2^32 nodes does not fit memory");
             nodes.push(expr);
             Id(id)
@@ -243,21 +237,26 @@ impl Graph {
 
     /// Whether the node `a − b` exists.
     pub(crate) fn has_difference(&self, a: Id, b: Id) -> bool {
-        self.index.contains_key(&Key::Sub(a, b))
+        self.index.borrow().contains_key(&key(Expr::Sub(a, b)))
     }
 
     /// The node of a constant.
-    pub fn constant(&mut self, x: f64) -> Id {
+    pub fn constant(&self, x: f64) -> Id {
         // One zero: -0.0 and 0.0 are the same expression.
         self.intern(Expr::Const(if x == 0.0 { 0.0 } else { x }))
     }
 
     /// The node of one element of an input array.
-    pub fn input(&mut self, argument: Argument, index: usize) -> Id {
+    pub fn input(&self, argument: Argument, index: usize) -> Id {
         self.intern(Expr::Input {
             argument,
             index: index as u32,
         })
+    }
+
+    /// The nodes of the first `len` elements of an input array.
+    pub fn inputs(&self, argument: Argument, len: usize) -> Vec<Id> {
+        (0..len).map(|index| self.input(argument, index)).collect()
     }
 
     pub(crate) fn value(&self, id: Id) -> Option<f64> {
@@ -268,12 +267,9 @@ impl Graph {
     }
 
     /// Σ_k a_k b_k, left to right; vanishing terms cost nothing.
-    pub fn dot(&mut self, a: &[Id], b: &[Id]) -> Id {
-        let mut sum = self.constant(0.0);
-        for (&x, &y) in a.iter().zip(b) {
-            let term = self.mul(x, y);
-            sum = self.add(sum, term);
-        }
-        sum
+    pub fn dot(&self, a: &[Id], b: &[Id]) -> Id {
+        let zero = self.constant(0.0);
+        let terms = a.iter().zip(b);
+        terms.fold(zero, |sum, (&x, &y)| self.add(sum, self.mul(x, y)))
     }
 }

@@ -7,4 +7,4 @@ mod rules;
 mod substitute;
 
 pub use argument::Argument;
-pub use graph::{Expr, Graph, Id, Product, Vector, VectorId};
+pub use graph::{Expr, Graph, Id, Product, Vector, VectorId, operands};

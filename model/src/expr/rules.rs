@@ -8,26 +8,14 @@ use super::graph::{Expr, Graph, Id};
 
 impl Graph {
     /// `a + b`, folded where something is known of them.
-    pub fn add(&mut self, a: Id, b: Id) -> Id {
-        match (self.value(a), self.value(b)) {
-            (Some(x), Some(y)) => return self.constant(x + y),
-            (Some(0.0), _) => return b,
-            (_, Some(0.0)) => return a,
-            (Some(x), _) if x < 0.0 => {
-                let x = self.constant(-x);
-                return self.sub(b, x);
-            }
-            (_, Some(y)) if y < 0.0 => {
-                let y = self.constant(-y);
-                return self.sub(a, y);
-            }
-            _ => {}
-        }
+    pub fn add(&self, a: Id, b: Id) -> Id {
         match (self.expr(a), self.expr(b)) {
-            (Expr::Neg(x), Expr::Neg(y)) => {
-                let sum = self.add(x, y);
-                self.neg(sum)
-            }
+            (Expr::Const(x), Expr::Const(y)) => self.constant(x + y),
+            (Expr::Const(0.0), _) => b,
+            (_, Expr::Const(0.0)) => a,
+            (Expr::Const(x), _) if x < 0.0 => self.sub(b, self.constant(-x)),
+            (_, Expr::Const(y)) if y < 0.0 => self.sub(a, self.constant(-y)),
+            (Expr::Neg(x), Expr::Neg(y)) => self.neg(self.add(x, y)),
             (_, Expr::Neg(y)) => self.sub(a, y),
             (Expr::Neg(x), _) => self.sub(b, x),
             _ => self.intern(Expr::Add(a, b)),
@@ -35,76 +23,48 @@ impl Graph {
     }
 
     /// `a − b`, folded where something is known of them.
-    pub fn sub(&mut self, a: Id, b: Id) -> Id {
-        match (self.value(a), self.value(b)) {
-            (Some(x), Some(y)) => return self.constant(x - y),
-            (Some(0.0), _) => return self.neg(b),
-            (_, Some(0.0)) => return a,
-            (_, Some(y)) if y < 0.0 => {
-                let y = self.constant(-y);
-                return self.add(a, y);
-            }
-            _ => {}
-        }
-        if a == b {
-            return self.constant(0.0);
-        }
+    pub fn sub(&self, a: Id, b: Id) -> Id {
         match (self.expr(a), self.expr(b)) {
+            (Expr::Const(x), Expr::Const(y)) => self.constant(x - y),
+            (Expr::Const(0.0), _) => self.neg(b),
+            (_, Expr::Const(0.0)) => a,
+            (_, Expr::Const(y)) if y < 0.0 => self.add(a, self.constant(-y)),
+            _ if a == b => self.constant(0.0),
             (Expr::Neg(x), Expr::Neg(y)) => self.sub(y, x),
             (_, Expr::Neg(y)) => self.add(a, y),
-            (Expr::Neg(x), _) => {
-                let sum = self.add(x, b);
-                self.neg(sum)
-            }
+            (Expr::Neg(x), _) => self.neg(self.add(x, b)),
             // b − a exists already: one subtraction serves both signs.
-            _ if self.has_difference(b, a) => {
-                let opposite = self.intern(Expr::Sub(b, a));
-                self.neg(opposite)
-            }
+            _ if self.has_difference(b, a) => self.neg(self.intern(Expr::Sub(b, a))),
             _ => self.intern(Expr::Sub(a, b)),
         }
     }
 
     /// `a b`, folded where something is known of them.
-    pub fn mul(&mut self, a: Id, b: Id) -> Id {
-        match (self.value(a), self.value(b)) {
-            (Some(x), Some(y)) => return self.constant(x * y),
-            (Some(0.0), _) | (_, Some(0.0)) => return self.constant(0.0),
-            (Some(1.0), _) => return b,
-            (_, Some(1.0)) => return a,
-            (Some(-1.0), _) => return self.neg(b),
-            (_, Some(-1.0)) => return self.neg(a),
-            // Constants carry no sign, so that k x and -k x share a product.
-            (Some(x), _) if x < 0.0 => {
-                let x = self.constant(-x);
-                let product = self.mul(x, b);
-                return self.neg(product);
-            }
-            (_, Some(_)) => return self.mul(b, a),
-            _ => {}
-        }
+    pub fn mul(&self, a: Id, b: Id) -> Id {
         match (self.expr(a), self.expr(b)) {
+            (Expr::Const(x), Expr::Const(y)) => self.constant(x * y),
+            (Expr::Const(0.0), _) | (_, Expr::Const(0.0)) => self.constant(0.0),
+            (Expr::Const(1.0), _) => b,
+            (_, Expr::Const(1.0)) => a,
+            (Expr::Const(-1.0), _) => self.neg(b),
+            (_, Expr::Const(-1.0)) => self.neg(a),
+            // Constants carry no sign, so that k x and -k x share a product.
+            (Expr::Const(x), _) if x < 0.0 => self.neg(self.mul(self.constant(-x), b)),
+            (_, Expr::Const(_)) => self.mul(b, a),
             (Expr::Neg(x), Expr::Neg(y)) => self.mul(x, y),
-            (Expr::Neg(x), _) => {
-                let product = self.mul(x, b);
-                self.neg(product)
-            }
-            (_, Expr::Neg(y)) => {
-                let product = self.mul(a, y);
-                self.neg(product)
-            }
+            (Expr::Neg(x), _) => self.neg(self.mul(x, b)),
+            (_, Expr::Neg(y)) => self.neg(self.mul(a, y)),
             // k (m x) = (k m) x
-            (Expr::Const(k), Expr::Mul(m, x)) if self.value(m).is_some() => {
-                let m = self.value(m).unwrap_or_default();
-                let km = self.constant(k * m);
-                self.mul(km, x)
-            }
+            (Expr::Const(k), Expr::Mul(m, x)) => match self.value(m) {
+                Some(m) => self.mul(self.constant(k * m), x),
+                None => self.intern(Expr::Mul(a, b)),
+            },
             _ => self.intern(Expr::Mul(a, b)),
         }
     }
 
     /// `−a`; two signs cancel.
-    pub fn neg(&mut self, a: Id) -> Id {
+    pub fn neg(&self, a: Id) -> Id {
         match self.expr(a) {
             Expr::Const(x) => self.constant(-x),
             Expr::Neg(x) => x,
@@ -113,19 +73,16 @@ impl Graph {
     }
 
     /// `sin a`; the sine of a constant is a constant.
-    pub fn sin(&mut self, a: Id) -> Id {
+    pub fn sin(&self, a: Id) -> Id {
         match self.expr(a) {
             Expr::Const(x) => self.constant(libm::sin(x)),
-            Expr::Neg(x) => {
-                let s = self.intern(Expr::Sin(x));
-                self.neg(s)
-            }
+            Expr::Neg(x) => self.neg(self.intern(Expr::Sin(x))),
             _ => self.intern(Expr::Sin(a)),
         }
     }
 
     /// `cos a`; the cosine of a constant is a constant.
-    pub fn cos(&mut self, a: Id) -> Id {
+    pub fn cos(&self, a: Id) -> Id {
         match self.expr(a) {
             Expr::Const(x) => self.constant(libm::cos(x)),
             Expr::Neg(x) => self.intern(Expr::Cos(x)),
@@ -134,44 +91,29 @@ impl Graph {
     }
 
     /// `a / b`; a constant `b` becomes a factor.
-    pub fn div(&mut self, a: Id, b: Id) -> Id {
-        match (self.value(a), self.value(b)) {
-            (Some(x), Some(y)) => return self.constant(x / y),
-            (Some(0.0), _) => return self.constant(0.0),
-            (_, Some(y)) => {
-                let factor = self.constant(1.0 / y);
-                return self.mul(factor, a);
-            }
-            _ => {}
-        }
+    pub fn div(&self, a: Id, b: Id) -> Id {
         match (self.expr(a), self.expr(b)) {
+            (Expr::Const(x), Expr::Const(y)) => self.constant(x / y),
+            (Expr::Const(0.0), _) => self.constant(0.0),
+            (_, Expr::Const(y)) => self.mul(self.constant(1.0 / y), a),
             (Expr::Neg(x), Expr::Neg(y)) => self.div(x, y),
-            (Expr::Neg(x), _) => {
-                let ratio = self.div(x, b);
-                self.neg(ratio)
-            }
-            (_, Expr::Neg(y)) => {
-                let ratio = self.div(a, y);
-                self.neg(ratio)
-            }
+            (Expr::Neg(x), _) => self.neg(self.div(x, b)),
+            (_, Expr::Neg(y)) => self.neg(self.div(a, y)),
             _ => self.intern(Expr::Div(a, b)),
         }
     }
 
     /// The number in [-1, 1] nearest to `a`.
-    pub fn clamp(&mut self, a: Id) -> Id {
+    pub fn clamp(&self, a: Id) -> Id {
         match self.expr(a) {
             Expr::Const(x) => self.constant(x.clamp(-1.0, 1.0)),
-            Expr::Neg(x) => {
-                let inside = self.clamp(x);
-                self.neg(inside)
-            }
+            Expr::Neg(x) => self.neg(self.clamp(x)),
             _ => self.intern(Expr::Clamp(a)),
         }
     }
 
     /// `a` to the power of `b`, for `a` not negative.
-    pub fn pow(&mut self, a: Id, b: Id) -> Id {
+    pub fn pow(&self, a: Id, b: Id) -> Id {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => self.constant(libm::pow(x, y)),
             (_, Some(0.0)) => self.constant(1.0),
@@ -181,7 +123,7 @@ impl Graph {
     }
 
     /// The larger of `a` and `b`; a constant stands second.
-    pub fn max(&mut self, a: Id, b: Id) -> Id {
+    pub fn max(&self, a: Id, b: Id) -> Id {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => self.constant(if x < y { y } else { x }),
             _ if a == b => a,
@@ -191,20 +133,14 @@ impl Graph {
     }
 
     /// The smaller of `a` and `b`.
-    pub fn min(&mut self, a: Id, b: Id) -> Id {
-        let (a, b) = (self.neg(a), self.neg(b));
-        let larger = self.max(a, b);
-        self.neg(larger)
+    pub fn min(&self, a: Id, b: Id) -> Id {
+        self.neg(self.max(self.neg(a), self.neg(b)))
     }
 
     /// `|a|`
-    pub fn abs(&mut self, a: Id) -> Id {
-        let a = match self.expr(a) {
-            Expr::Neg(x) => x,
-            _ => a,
-        };
-        let negative = self.neg(a);
-        self.max(a, negative)
+    pub fn abs(&self, a: Id) -> Id {
+        let a = self.unsigned(a);
+        self.max(a, self.neg(a))
     }
 }
 
@@ -214,7 +150,7 @@ mod tests {
     use crate::expr::Argument;
 
     fn graph() -> (Graph, Id, Id) {
-        let mut g = Graph::default();
+        let g = Graph::default();
         let (x, y) = (
             g.input(Argument::Positions, 0),
             g.input(Argument::Positions, 1),
@@ -224,7 +160,7 @@ mod tests {
 
     #[test]
     fn equal_expressions_are_one_node() {
-        let (mut g, x, y) = graph();
+        let (g, x, y) = graph();
         assert_eq!(g.add(x, y), g.add(y, x));
         assert_eq!(g.mul(x, y), g.mul(y, x));
         assert_ne!(g.sub(x, y), g.sub(y, x));
@@ -232,7 +168,7 @@ mod tests {
 
     #[test]
     fn zeros_ones_and_signs_vanish() {
-        let (mut g, x, y) = graph();
+        let (g, x, y) = graph();
         let (zero, one, minus) = (g.constant(0.0), g.constant(1.0), g.constant(-1.0));
         assert_eq!(g.mul(x, zero), zero);
         assert_eq!(g.mul(one, x), x);
@@ -259,7 +195,7 @@ mod tests {
 
     #[test]
     fn quotients_clamps_powers_and_maxima_fold() {
-        let (mut g, x, y) = graph();
+        let (g, x, y) = graph();
         let (half, two, one) = (g.constant(0.5), g.constant(2.0), g.constant(1.0));
         assert_eq!(g.div(x, two), g.mul(half, x));
         let minus_y = g.neg(y);

@@ -7,7 +7,7 @@ impl Graph {
     /// `values` at its place.
     ///
     /// One forward pass; what does not depend on a variable stays the same node.
-    pub fn substitute(&mut self, of: &[Id], variables: &[Id], values: &[Id]) -> Vec<Id> {
+    pub fn substitute(&self, of: &[Id], variables: &[Id], values: &[Id]) -> Vec<Id> {
         let last = of.iter().map(|id| id.index() + 1).max().unwrap_or(0);
         let mut to: Vec<Id> = (0..last as u32).map(Id).collect();
         for k in 0..last {
@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn variables_give_way_to_expressions_and_constants_fold() {
-        let mut g = Graph::default();
+        let g = Graph::default();
         let [x, y, z] = [0, 1, 2].map(|k| g.input(Argument::Positions, k));
         // f = x sin(y) + z
         let s = g.sin(y);

@@ -22,10 +22,13 @@ mod rotations;
 mod rows;
 mod subtrees;
 
+use nalgebra::Vector3;
+
 use crate::expr::{Argument, Graph, Id, VectorId};
 use crate::interface::{Extent, Function, Given};
 use crate::program::{Array, Program, Shape};
 use crate::robot::Robot;
+use crate::snap::tidy;
 use crate::tree::{Coordinate, Dof};
 pub(crate) use motion::JointMotion;
 use rotations::sines_suffice;
@@ -37,6 +40,26 @@ pub(crate) use subtrees::{Subtree, Wanted};
 pub(crate) struct Known {
     pub(crate) entries: [Id; 3],
     pub(crate) fact: VectorId,
+}
+
+impl Known {
+    /// A vector of at most this length, made of these beside terms of its own.
+    fn within(g: &mut Graph, entries: [Id; 3], norm: f64, from: &[VectorId]) -> Known {
+        let fact = g.know(&entries, norm, from);
+        Known { entries, fact }
+    }
+
+    /// A sum of orthogonal images of these alone.
+    fn sum(g: &mut Graph, entries: [Id; 3], from: &[VectorId]) -> Known {
+        let fact = g.know_sum(&entries, from);
+        Known { entries, fact }
+    }
+
+    /// A vector of which no more is known than of each entry.
+    fn of_entries(g: &mut Graph, entries: [Id; 3]) -> Known {
+        let fact = g.know_entries(&entries);
+        Known { entries, fact }
+    }
 }
 
 /// Where the parameters r come from.
@@ -115,23 +138,18 @@ fn of_motion(
     robot: &Robot,
     outputs: impl FnOnce(&mut Scratch<'_>, &JointMotion) -> Vec<Id>,
 ) -> Program {
-    let given = Given::Positions;
-    let mut scratch = Scratch::new(robot, given, Parameters::Baked(robot.cad_params()));
+    let baked = Parameters::Baked(robot.cad_params());
+    let mut scratch = Scratch::new(robot, Given::Positions, baked);
+    let joints = JointMotion {
+        rates: scratch.g.inputs(Argument::Velocities, robot.dof()),
+        accelerations: scratch.g.inputs(Argument::Accelerations, robot.dof()),
+    };
+    let outputs = outputs(&mut scratch, &joints);
     let inputs = [
         Argument::Positions,
         Argument::Velocities,
         Argument::Accelerations,
     ];
-    let mut of = |argument| -> Vec<Id> {
-        (0..robot.dof())
-            .map(|j| scratch.g.input(argument, j))
-            .collect()
-    };
-    let joints = JointMotion {
-        rates: of(Argument::Velocities),
-        accelerations: of(Argument::Accelerations),
-    };
-    let outputs = outputs(&mut scratch, &joints);
     let inputs = inputs.map(|argument| Array::new(argument, robot.dof()));
     let shape = Shape::Vector(outputs.len());
     Program::new(scratch.g, inputs.to_vec(), shape, &outputs)
@@ -174,7 +192,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl<'m> Scratch<'m> {
     pub(crate) fn new(m: &'m Robot, given: Given, parameters: Parameters) -> Self {
-        let mut g = Graph::default();
+        let g = Graph::default();
         let position = |(j, dof): (usize, &Dof)| match given {
             // `_sc` passes the positions of prismatic joints in `sin`.
             Given::SinesCosines | Given::Direction if dof.prismatic => g.input(Argument::Sines, j),
@@ -195,36 +213,36 @@ impl<'m> Scratch<'m> {
         }
     }
 
-    /// Parameter `index` of r; zero where there is none.
-    pub(crate) fn parameter(&mut self, index: Option<usize>) -> Id {
-        if let (Some(index), Some(masses)) = (index, &self.masses) {
-            return masses[index].0;
-        }
-        match (index, &self.parameters) {
-            (Some(index), Parameters::Argument(_)) => self.g.input(Argument::Parameters, index),
-            (Some(index), Parameters::Baked(values)) => self.g.constant(values[index]),
-            (None, _) => self.g.constant(0.0),
-        }
-    }
-
-    /// Largest magnitude of a parameter.
-    pub(crate) fn parameter_limit(&self, index: Option<usize>) -> f64 {
-        if let (Some(index), Some(masses)) = (index, &self.masses) {
-            return masses[index].1;
-        }
-        match (index, &self.parameters) {
-            (Some(index), Parameters::Argument(limits)) => limits[index],
-            (Some(index), Parameters::Baked(values)) => libm::fabs(values[index]),
-            (None, _) => 0.0,
+    /// Parameter `index` of r with its largest magnitude; zero where there is none.
+    pub(crate) fn parameter(&self, index: Option<usize>) -> (Id, f64) {
+        let Some(index) = index else {
+            return (self.g.constant(0.0), 0.0);
+        };
+        match (&self.masses, &self.parameters) {
+            (Some(masses), _) => masses[index],
+            (None, Parameters::Argument(limits)) => {
+                (self.g.input(Argument::Parameters, index), limits[index])
+            }
+            (None, Parameters::Baked(values)) => {
+                (self.g.constant(values[index]), libm::fabs(values[index]))
+            }
         }
     }
 
     /// factor·q + offset
-    fn position(&mut self, by: &Coordinate) -> Id {
-        let q = self.positions[by.dof];
+    fn position(&self, by: &Coordinate) -> Id {
         let (factor, offset) = (self.g.constant(by.factor), self.g.constant(by.offset));
-        let scaled = self.g.mul(factor, q);
-        self.g.add(scaled, offset)
+        self.g
+            .add(self.g.mul(factor, self.positions[by.dof]), offset)
+    }
+
+    /// The weights of the canonical axes of body `i` in a direction of its link frame.
+    fn weights(&self, i: usize, direction: &Vector3<f64>) -> [Id; 3] {
+        self.constants(&(self.m.axes(i).transpose() * direction).map(tidy))
+    }
+
+    fn constants(&self, x: &Vector3<f64>) -> [Id; 3] {
+        [0, 1, 2].map(|k| self.g.constant(x[k]))
     }
 
     fn section(&mut self, body: usize) {

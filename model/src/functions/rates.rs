@@ -22,8 +22,7 @@ use super::subtrees::Subtree;
 use super::{Known, Scratch};
 use crate::expr::Id;
 use crate::frames::Rotation;
-use crate::snap::tidy;
-use crate::tree::{Axis, Motion};
+use crate::tree::Motion;
 
 /// Rates of a body that moves: the rate of its vector, and of the same turned by its joint.
 pub(crate) struct SubtreeRate {
@@ -51,17 +50,12 @@ impl Scratch<'_> {
                 let child = built[c]
                     .as_ref()
                     .expect("children are built before parents");
-                let (entries, fact) = self.moved(i, c, child.t, rates);
-                for k in 0..3 {
-                    sum[k] = self.g.add(sum[k], entries[k]);
-                }
-                from.push(fact);
+                let moved = self.moved(i, c, child.t, rates);
+                sum = self.added(sum, moved.entries);
+                from.push(moved.fact);
             }
             self.name(&sum, "dv", i);
-            let v = Known {
-                entries: sum,
-                fact: self.g.know_sum(&sum, &from),
-            };
+            let v = Known::sum(&mut self.g, sum, &from);
             let t = match &self.m.frames[i].rotation {
                 None => v,
                 Some(rotation) => self.rotated_rate(i, rotation, &v, &subtrees[i], rates),
@@ -80,26 +74,14 @@ impl Scratch<'_> {
         subtree: &Subtree,
         rates: &[Id],
     ) -> Known {
-        let [cx, sy, sx, cy] = self.rotated_products(i, rotation, v);
-        let turned = [self.g.sub(cx, sy), self.g.add(sx, cy), v.entries[2]];
-        let turned = Known {
-            entries: turned,
-            fact: self.g.know_sum(&turned, &[v.fact]),
-        };
+        let turned = self.rotated(i, rotation, v);
+        let turned = Known::sum(&mut self.g, turned, &[v.fact]);
         let t = subtree.t.expect("rates are asked of turned subtrees");
         let [x, y, _] = t.entries;
-        let minus_y = self.g.neg(y);
-        let carried = self.scaled_by_rate(i, [minus_y, x], &t, rates);
-        let entries = [
-            self.g.add(turned.entries[0], carried.entries[0]),
-            self.g.add(turned.entries[1], carried.entries[1]),
-            turned.entries[2],
-        ];
+        let carried = self.scaled_by_rate(i, [self.g.neg(y), x], &t, rates);
+        let entries = self.added(turned.entries, carried.entries);
         self.name(&entries, "dt", i);
-        Known {
-            entries,
-            fact: self.g.know_sum(&entries, &[turned.fact, carried.fact]),
-        }
+        Known::sum(&mut self.g, entries, &[turned.fact, carried.fact])
     }
 
     /// `ω` of body `i` times two coordinates of a vector; the third is zero.
@@ -112,53 +94,35 @@ impl Scratch<'_> {
     }
 
     /// How fast the joint of body `i` moves: factor times the rate of its coordinate.
-    pub(super) fn rate_of(&mut self, i: usize, rates: &[Id]) -> Id {
-        let by = match self.m.chain.bodies[i].motion {
-            Motion::Revolute { by, .. } | Motion::Prismatic { by, .. } => by,
-            Motion::Fixed => return self.g.constant(0.0),
+    pub(super) fn rate_of(&self, i: usize, rates: &[Id]) -> Id {
+        let Some(by) = self.m.chain.bodies[i].motion.coordinate() else {
+            return self.g.constant(0.0);
         };
         // A canonical axis may point against that of the joint.
         let factor = match &self.m.frames[i].rotation {
             Some(rotation) => rotation.angle.factor,
             None => by.factor,
         };
-        let factor = self.g.constant(factor);
-        self.g.mul(factor, rates[by.dof])
+        self.g.mul(self.g.constant(factor), rates[by.dof])
     }
 
     /// The rate of child `c` in the axes of its parent `i`: `K ṫ`, and its displacement.
-    fn moved(
-        &mut self,
-        i: usize,
-        c: usize,
-        t: Known,
-        rates: &[Id],
-    ) -> ([Id; 3], crate::expr::VectorId) {
+    fn moved(&mut self, i: usize, c: usize, t: Known, rates: &[Id]) -> Known {
         let m = self.m;
         let mut entries = t.entries;
         if let Some(rotation) = &m.frames[c].rotation {
             entries = self.twist(&rotation.twist, entries, false);
         }
         let mut from = vec![self.g.know_sum(&entries, &[t.fact])];
-        if let Motion::Prismatic {
-            axis: Axis(axis), ..
-        } = m.chain.bodies[c].motion
-        {
-            let s = m.prismatic_param(c);
-            let (mass, limit) = (self.parameter(s), self.parameter_limit(s));
+        if let Motion::Prismatic { axis, .. } = m.chain.bodies[c].motion {
+            let (mass, limit) = self.parameter(m.prismatic_param(c));
             let carried = self.g.know(&[mass], limit, &[]);
             let rate = self.rate_of(c, rates);
             let moved = self.g.mul(rate, mass);
             from.push(self.g.know_scaled(&[moved], rate, carried));
-            let axis = (m.axes(i).transpose() * axis).map(tidy);
-            for k in 0..3 {
-                let weight = self.g.constant(axis[k]);
-                let step = self.g.mul(weight, moved);
-                entries[k] = self.g.add(entries[k], step);
-            }
+            entries = self.displaced(entries, self.weights(i, &axis), moved);
         }
-        let fact = self.g.know_sum(&entries, &from);
-        (entries, fact)
+        Known::sum(&mut self.g, entries, &from)
     }
 
     /// `d/dt dᵀ ∂CoM/∂φ_j` of every joint as joints move at `rates`.
@@ -189,20 +153,10 @@ impl Scratch<'_> {
                     let rotating = self.across(&rate.before, &t);
                     let moving = self.across(&seen[i][0].before, &moving[i].t);
                     let sum = self.g.add(rotating, moving);
-                    let factor = self.g.constant(rotation.angle.factor);
-                    self.g.mul(factor, sum)
+                    self.g.mul(self.g.constant(rotation.angle.factor), sum)
                 }
-                (
-                    None,
-                    Motion::Prismatic {
-                        axis: Axis(axis), ..
-                    },
-                ) => {
-                    let along = self.along(&seen_rates[parent].after, parent, &axis);
-                    let mass = self.parameter(m.prismatic_param(i));
-                    let factor = self.g.constant(by.factor);
-                    let scaled = self.g.mul(factor, mass);
-                    self.g.mul(along, scaled)
+                (None, Motion::Prismatic { axis, .. }) => {
+                    self.carried_along(i, parent, &seen_rates[parent].after, &axis, by.factor)
                 }
                 (None, _) => zero,
             };
@@ -223,10 +177,7 @@ impl Scratch<'_> {
         let m = self.m;
         let Some(parent) = m.chain.bodies[i].parent else {
             let entries = [self.g.constant(0.0); 3];
-            let still = Known {
-                entries,
-                fact: self.g.know(&entries, 0.0, &[]),
-            };
+            let still = Known::within(&mut self.g, entries, 0.0, &[]);
             return SeenRate {
                 before: still,
                 after: still,
@@ -240,49 +191,21 @@ impl Scratch<'_> {
             };
         };
         self.section(i);
-        let (s, c) = self.rotation(i);
-        let [x, y, z] = self.twist(&rotation.twist, near.entries, true);
-        let before = Known {
-            entries: [x, y, z],
-            fact: self.g.know_sum(&[x, y, z], &[near.fact]),
-        };
-        let first = self.g.dot(&[x, y], &[c, s]);
-        let (yc, xs) = (self.g.mul(y, c), self.g.mul(x, s));
-        let second = self.g.sub(yc, xs);
-        let second = if rotation.mirrored {
-            self.g.neg(second)
-        } else {
-            second
-        };
-        let turned = [first, second, z];
-        let turned_fact = self.g.know_sum(&turned, &[before.fact]);
+        let [before, turned] = self.rotated_back(i, rotation, near.entries);
+        let before = Known::sum(&mut self.g, before, &[near.fact]);
+        let turned = Known::sum(&mut self.g, turned, &[before.fact]);
         // b × e_z = (b_y, −b_x, 0), where mirrored axes turn the other way.
-        let [bx, by, _] = seen.after.entries;
-        let (plus, minus) = (self.g.neg(by), self.g.neg(bx));
+        let [x, y, _] = seen.after.entries;
         let pair = match rotation.mirrored {
-            true => [plus, bx],
-            false => [by, minus],
+            true => [self.g.neg(y), x],
+            false => [y, self.g.neg(x)],
         };
         let carried = self.scaled_by_rate(i, pair, &seen.after, rates);
-        let entries = [
-            self.g.add(first, carried.entries[0]),
-            self.g.add(second, carried.entries[1]),
-            z,
-        ];
+        let entries = self.added(turned.entries, carried.entries);
         self.name(&entries, &format!("db{tag}"), i);
-        let fact = self.g.know_sum(&entries, &[turned_fact, carried.fact]);
         SeenRate {
             before,
-            after: Known { entries, fact },
+            after: Known::sum(&mut self.g, entries, &[turned.fact, carried.fact]),
         }
-    }
-
-    /// `b · (e_z × t)`
-    fn across(&mut self, row: &Known, vector: &Known) -> Id {
-        let ([x, y, _], [vx, vy, _]) = (row.entries, vector.entries);
-        let (up, down) = (self.g.mul(y, vx), self.g.mul(x, vy));
-        let across = self.g.sub(up, down);
-        self.g.know_product(across, [row.fact, vector.fact]);
-        across
     }
 }

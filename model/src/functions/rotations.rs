@@ -9,8 +9,9 @@
 
 use std::collections::BTreeMap;
 
-use super::Scratch;
+use super::{Known, Scratch};
 use crate::expr::{Argument, Expr, Id};
+use crate::frames::Rotation;
 use crate::interface::Given;
 use crate::robot::Robot;
 use crate::snap::quarters;
@@ -40,28 +41,40 @@ struct Split {
     rest: Id,
 }
 
-/// What a joint does to the handedness of axes.
-#[derive(Clone, Copy)]
-pub(super) struct Turn {
-    /// The second coordinate of the body is mirrored.
-    pub(super) mirrored: bool,
-    /// Its axes and those of its parent are of different hands.
-    pub(super) reflects: bool,
-}
-
 impl Scratch<'_> {
-    /// The hands of body `i` and its parent.
-    pub(super) fn turn(&self, i: usize) -> Turn {
-        match &self.m.frames[i].rotation {
-            Some(rotation) => Turn {
-                mirrored: rotation.mirrored,
-                reflects: rotation.mirrored != (rotation.twist.matrix().determinant() < 0.0),
-            },
-            None => Turn {
-                mirrored: false,
-                reflects: false,
-            },
-        }
+    /// Whether the axes of body `i` and those of its parent are of different hands.
+    pub(super) fn reflects(&self, i: usize) -> bool {
+        let rotation = self.m.frames[i].rotation.as_ref();
+        rotation.is_some_and(|rotation| {
+            rotation.mirrored != (rotation.twist.matrix().determinant() < 0.0)
+        })
+    }
+
+    /// `Rz(θ) v` of a vector of a body on a revolute joint.
+    pub(super) fn rotated(&mut self, body: usize, rotation: &Rotation, v: &Known) -> [Id; 3] {
+        let [cx, sy, sx, cy] = self.rotated_products(body, rotation, v);
+        [self.g.sub(cx, sy), self.g.add(sx, cy), v.entries[2]]
+    }
+
+    /// The row `xᵀ K` of a vector of its parent as such a body has it before its joint rotates,
+    /// and `xᵀ K Rz(θ)` after.
+    pub(super) fn rotated_back(
+        &mut self,
+        body: usize,
+        rotation: &Rotation,
+        x: [Id; 3],
+    ) -> [[Id; 3]; 2] {
+        let (s, c) = self.rotation(body);
+        let [x, y, z] = self.twist(&rotation.twist, x, true);
+        let first = self.g.dot(&[x, y], &[c, s]);
+        let second = self.g.sub(self.g.mul(y, c), self.g.mul(x, s));
+        let second = self.signed(second, rotation.mirrored);
+        [[x, y, z], [first, second, z]]
+    }
+
+    /// `−x`, or `x`.
+    pub(super) fn signed(&self, x: Id, minus: bool) -> Id {
+        if minus { self.g.neg(x) } else { x }
     }
 
     /// Sine and cosine of the angle that rotates `body`.
@@ -96,10 +109,8 @@ impl Scratch<'_> {
         };
         let x = self.position(&by);
         let (s, c) = (self.g.sin(x), self.g.cos(x));
-        let pass = &self.pass;
-        self.g.name(s, || format!("s{pass}_{key}"));
-        self.g.name(c, || format!("c{pass}_{key}"));
-        let s = if sign < 0.0 { self.g.neg(s) } else { s };
+        self.name_rotation(s, c, key);
+        let s = self.signed(s, sign < 0.0);
         self.quarter_turns(s, c, quarters)
     }
 
@@ -124,9 +135,8 @@ impl Scratch<'_> {
         let (mut s, mut c) = sum.unwrap_or(one);
         let mut beside = None;
         if self.g.value(rest).is_none() {
-            let factor = self.g.constant(times);
-            let (scaled, constant) = (self.g.mul(factor, rest), self.g.constant(constant));
-            let x = self.g.add(scaled, constant);
+            let scaled = self.g.mul(self.g.constant(times), rest);
+            let x = self.g.add(scaled, self.g.constant(constant));
             beside = Some((self.g.sin(x), self.g.cos(x)));
         } else if constant != 0.0 {
             let (sin, cos) = libm::sincos(constant);
@@ -134,12 +144,16 @@ impl Scratch<'_> {
         }
         if let Some(beside) = beside {
             (s, c) = self.sum_of_angles((s, c), beside);
-            let pass = &self.pass;
-            self.g.name(s, || format!("s{pass}_{key}"));
-            self.g.name(c, || format!("c{pass}_{key}"));
+            self.name_rotation(s, c, key);
         }
-        let s = if sign < 0.0 { self.g.neg(s) } else { s };
+        let s = self.signed(s, sign < 0.0);
         self.quarter_turns(s, c, quarters)
+    }
+
+    fn name_rotation(&mut self, s: Id, c: Id, key: &str) {
+        let pass = &self.pass;
+        self.g.name(s, || format!("s{pass}_{key}"));
+        self.g.name(c, || format!("c{pass}_{key}"));
     }
 
     /// Sine and cosine of a whole multiple of joint angle `dof`.
@@ -156,14 +170,11 @@ impl Scratch<'_> {
         for _ in 1..times.min(LARGEST_MULTIPLE) as usize {
             (s, c) = self.sum_of_angles((s, c), own);
         }
-        if multiple < 0.0 {
-            s = self.g.neg(s);
-        }
-        (s, c)
+        (self.signed(s, multiple < 0.0), c)
     }
 
     /// A position as multiples of joint positions and a rest.
-    fn split(&mut self, x: Id) -> Split {
+    fn split(&self, x: Id) -> Split {
         let whole = Split {
             multiples: BTreeMap::new(),
             rest: x,
@@ -203,13 +214,10 @@ impl Scratch<'_> {
             },
             // Products have their constant first.
             Expr::Mul(k, a) => match (self.g.value(k), self.split_product(k, a)) {
-                (Some(k), Some(Split { multiples, rest })) => {
-                    let factor = self.g.constant(k);
-                    Split {
-                        multiples: multiples.into_iter().map(|(dof, m)| (dof, k * m)).collect(),
-                        rest: self.g.mul(factor, rest),
-                    }
-                }
+                (Some(k), Some(Split { multiples, rest })) => Split {
+                    multiples: multiples.into_iter().map(|(dof, m)| (dof, k * m)).collect(),
+                    rest: self.g.mul(self.g.constant(k), rest),
+                },
                 _ => whole,
             },
             _ => whole,
@@ -217,19 +225,18 @@ impl Scratch<'_> {
     }
 
     /// The second factor of a product with a constant, where it holds joint positions.
-    fn split_product(&mut self, k: Id, a: Id) -> Option<Split> {
+    fn split_product(&self, k: Id, a: Id) -> Option<Split> {
         self.g.value(k)?;
         let split = self.split(a);
         (!split.multiples.is_empty()).then_some(split)
     }
 
-    fn sum_of_angles(&mut self, a: (Id, Id), b: (Id, Id)) -> (Id, Id) {
+    fn sum_of_angles(&self, a: (Id, Id), b: (Id, Id)) -> (Id, Id) {
         let s = self.g.dot(&[a.0, a.1], &[b.1, b.0]);
-        let (cc, ss) = (self.g.mul(a.1, b.1), self.g.mul(a.0, b.0));
-        (s, self.g.sub(cc, ss))
+        (s, self.g.sub(self.g.mul(a.1, b.1), self.g.mul(a.0, b.0)))
     }
 
-    fn quarter_turns(&mut self, s: Id, c: Id, quarters: i64) -> (Id, Id) {
+    fn quarter_turns(&self, s: Id, c: Id, quarters: i64) -> (Id, Id) {
         match quarters {
             0 => (s, c),
             1 => (c, self.g.neg(s)),

@@ -4,13 +4,14 @@
 //! All rows of a body stand together, and beside what needs them: sines and
 //! orientations are used up while they are still in registers.
 
+use nalgebra::Vector3;
+
 use super::subtrees::{Subtree, Wanted};
 use super::{AXES, Known, Scratch};
 use crate::base::Column;
 use crate::expr::{Argument, Id};
 use crate::interface::{Function, Given};
-use crate::snap::tidy;
-use crate::tree::{Axis, Motion};
+use crate::tree::Motion;
 
 /// A direction `d` of the support frame.
 pub(crate) struct Direction {
@@ -33,7 +34,7 @@ pub(super) struct Seen {
 impl Scratch<'_> {
     /// Those that the rows of `function` belong to: axes of the support frame, or the one
     /// that comes as an argument.
-    pub(crate) fn directions(&mut self, function: Function) -> Vec<Direction> {
+    pub(crate) fn directions(&self, function: Function) -> Vec<Direction> {
         if self.given != Given::Direction {
             return self.axes_of_support(function.axes());
         }
@@ -46,7 +47,7 @@ impl Scratch<'_> {
     }
 
     /// The axes of the support frame.
-    pub(crate) fn axes_of_support(&mut self, rows: &[usize]) -> Vec<Direction> {
+    pub(crate) fn axes_of_support(&self, rows: &[usize]) -> Vec<Direction> {
         let unit = |row: &usize| Direction {
             entries: [0, 1, 2].map(|k| self.g.constant(if k == *row { 1.0 } else { 0.0 })),
             norm: 1.0,
@@ -70,9 +71,8 @@ impl Scratch<'_> {
         let m = self.m;
         let Some(parent) = m.chain.bodies[i].parent else {
             let own = |direction: &Direction| {
-                let entries = direction.entries;
-                let fact = self.g.know(&entries, direction.norm, &[]);
-                let known = Known { entries, fact };
+                let Direction { entries, norm, .. } = *direction;
+                let known = Known::within(&mut self.g, entries, norm, &[]);
                 Seen {
                     before: known,
                     after: known,
@@ -88,29 +88,14 @@ impl Scratch<'_> {
             return seen[parent].iter().map(still).collect();
         };
         self.section(i);
-        let (s, c) = self.rotation(i);
         let mut here = Vec::with_capacity(directions.len());
-        for (direction, near) in directions.iter().zip(&seen[parent]) {
-            let Direction { norm, tag, .. } = *direction;
+        for (Direction { norm, tag, .. }, near) in directions.iter().zip(&seen[parent]) {
             let near = near.after;
-            let [x, y, z] = self.twist(&rotation.twist, near.entries, true);
-            let before = Known {
-                entries: [x, y, z],
-                fact: self.g.know(&[x, y, z], norm, &[near.fact]),
-            };
-            let first = self.g.dot(&[x, y], &[c, s]);
-            let (yc, xs) = (self.g.mul(y, c), self.g.mul(x, s));
-            let mut second = self.g.sub(yc, xs);
-            if rotation.mirrored {
-                second = self.g.neg(second);
-            }
-            let entries = [first, second, z];
+            let [before, after] = self.rotated_back(i, rotation, near.entries);
+            let before = Known::within(&mut self.g, before, *norm, &[near.fact]);
             self.name(&before.entries, &format!("k{tag}"), i);
-            self.name(&entries, &format!("b{tag}"), i);
-            let after = Known {
-                entries,
-                fact: self.g.know(&entries, norm, &[before.fact]),
-            };
+            self.name(&after, &format!("b{tag}"), i);
+            let after = Known::within(&mut self.g, after, *norm, &[before.fact]);
             here.push(Seen { before, after });
         }
         here
@@ -150,29 +135,17 @@ impl Scratch<'_> {
             };
             self.section(i);
             for k in 0..directions.len() {
-                let mut term = match (&m.frames[i].rotation, body.motion) {
+                let term = match (&m.frames[i].rotation, body.motion) {
                     (Some(rotation), _) => {
                         let arm = self.arm(&seen[i][k], &subtrees[i], rotation.mirrored);
-                        let factor = self.g.constant(rotation.angle.factor);
-                        self.g.mul(factor, arm)
+                        self.g.mul(self.g.constant(rotation.angle.factor), arm)
                     }
-                    (
-                        None,
-                        Motion::Prismatic {
-                            axis: Axis(axis), ..
-                        },
-                    ) => {
-                        let along = self.along(&seen[parent][k].after, parent, &axis);
-                        let mass = self.parameter(m.prismatic_param(i));
-                        let factor = self.g.constant(by.factor);
-                        let scaled = self.g.mul(factor, mass);
-                        self.g.mul(along, scaled)
+                    (None, Motion::Prismatic { axis, .. }) => {
+                        self.carried_along(i, parent, &seen[parent][k].after, &axis, by.factor)
                     }
                     (None, _) => zero,
                 };
-                if negated {
-                    term = self.g.neg(term);
-                }
+                let term = self.signed(term, negated);
                 let entry = &mut jacobian[k * m.dof() + by.dof];
                 *entry = self.g.add(*entry, term);
             }
@@ -187,23 +160,35 @@ impl Scratch<'_> {
             Some(t) => (seen.before, t, false),
             None => (seen.after, subtree.v, mirrored),
         };
+        let arm = self.across(&row, &vector);
+        self.signed(arm, opposite)
+    }
+
+    /// `b · (e_z × t)`
+    pub(super) fn across(&mut self, row: &Known, vector: &Known) -> Id {
         let ([x, y, _], [vx, vy, _]) = (row.entries, vector.entries);
-        let (up, down) = (self.g.mul(y, vx), self.g.mul(x, vy));
-        let arm = self.g.sub(up, down);
-        self.g.know_product(arm, [row.fact, vector.fact]);
-        if opposite { self.g.neg(arm) } else { arm }
+        let across = self.g.sub(self.g.mul(y, vx), self.g.mul(x, vy));
+        self.g.know_product(across, [row.fact, vector.fact]);
+        across
+    }
+
+    /// What the mass on the prismatic joint of body `i` is moved by along a row of its parent.
+    pub(super) fn carried_along(
+        &mut self,
+        i: usize,
+        parent: usize,
+        row: &Known,
+        axis: &Vector3<f64>,
+        factor: f64,
+    ) -> Id {
+        let along = self.along(row, parent, axis);
+        let (mass, _) = self.parameter(self.m.prismatic_param(i));
+        self.g.mul(along, self.g.mul(self.g.constant(factor), mass))
     }
 
     /// One row of `B_p a` for a prismatic joint on body `parent`.
-    pub(super) fn along(
-        &mut self,
-        row: &Known,
-        parent: usize,
-        axis: &nalgebra::Vector3<f64>,
-    ) -> Id {
-        let axis = (self.m.axes(parent).transpose() * axis).map(tidy);
-        let weights = [0, 1, 2].map(|k| self.g.constant(axis[k]));
-        let along = self.g.dot(&weights, &row.entries);
+    fn along(&mut self, row: &Known, parent: usize, axis: &Vector3<f64>) -> Id {
+        let along = self.g.dot(&self.weights(parent, axis), &row.entries);
         // A unit vector's image: no longer than the row itself.
         self.g.know_sum(&[along], &[row.fact]);
         along
@@ -227,17 +212,10 @@ impl Scratch<'_> {
     }
 
     fn prismatic_column(&mut self, seen: &[Vec<Seen>], row: usize, body: usize) -> Id {
-        let (
-            Motion::Prismatic {
-                axis: Axis(axis),
-                by,
-            },
-            Some(parent),
-        ) = (
+        let (Motion::Prismatic { axis, by }, Some(parent)) = (
             self.m.chain.bodies[body].motion,
             self.m.chain.bodies[body].parent,
-        )
-        else {
+        ) else {
             return self.g.constant(0.0);
         };
         let along = self.along(&seen[parent][row].after, parent, &axis);
@@ -254,7 +232,7 @@ impl Scratch<'_> {
             for (i, body) in m.chain.bodies.iter().enumerate() {
                 let b = seen[i][row].after;
                 let entries = [0, 1, 2].map(|k| {
-                    let weights = [0, 1, 2].map(|n| self.g.constant(m.axes(i)[(k, n)]));
+                    let weights = self.constants(&m.axes(i).row(k).transpose());
                     self.g.dot(&weights, &b.entries)
                 });
                 self.g.know(&entries, 1.0, &[b.fact]);

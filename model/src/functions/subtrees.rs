@@ -3,8 +3,7 @@
 use super::{Known, Scratch};
 use crate::expr::{Id, VectorId};
 use crate::frames::{Rotation, Twist};
-use crate::snap::tidy;
-use crate::tree::{Axis, Motion};
+use crate::tree::Motion;
 
 /// What of the subtrees is asked for.
 #[derive(Clone, Copy, PartialEq)]
@@ -25,13 +24,11 @@ pub(crate) struct Subtree {
 
 impl Scratch<'_> {
     /// `K x`, or with `transposed` the row `xᵀ K` (a reflection is symmetric).
-    pub(super) fn twist(&mut self, twist: &Twist, x: [Id; 3], transposed: bool) -> [Id; 3] {
+    pub(super) fn twist(&self, twist: &Twist, x: [Id; 3], transposed: bool) -> [Id; 3] {
         match twist {
             Twist::Sparse(k) => [0, 1, 2].map(|m| {
-                let weights = [0, 1, 2].map(|n| {
-                    let entry = if transposed { k[(n, m)] } else { k[(m, n)] };
-                    self.g.constant(entry)
-                });
+                let entry = |n| if transposed { k[(n, m)] } else { k[(m, n)] };
+                let weights = [0, 1, 2].map(|n| self.g.constant(entry(n)));
                 self.g.dot(&weights, &x)
             }),
             Twist::Reflection { u, k } => {
@@ -40,13 +37,8 @@ impl Scratch<'_> {
                 let (inner, outer) = if free { (1.0, *k) } else { (*k, 1.0) };
                 let weights = [0, 1, 2].map(|n| self.g.constant(inner * u[n]));
                 let along = self.g.dot(&weights, &x);
-                let outer = self.g.constant(outer);
-                let along = self.g.mul(outer, along);
-                [0, 1, 2].map(|n| {
-                    let weight = self.g.constant(u[n]);
-                    let step = self.g.mul(weight, along);
-                    self.g.sub(x[n], step)
-                })
+                let along = self.g.mul(self.g.constant(outer), along);
+                [0, 1, 2].map(|n| self.g.sub(x[n], self.g.mul(self.g.constant(u[n]), along)))
             }
         }
     }
@@ -64,14 +56,10 @@ impl Scratch<'_> {
             let t = match &self.m.frames[i].rotation {
                 None => Some(v),
                 Some(rotation) if wanted == Wanted::Rotated || !rotation.twist.is_permutation() => {
-                    let [cx, sy, sx, cy] = self.rotated_products(i, rotation, &v);
-                    let entries = [self.g.sub(cx, sy), self.g.add(sx, cy), v.entries[2]];
+                    let entries = self.rotated(i, rotation, &v);
                     self.name(&entries, "t", i);
                     let norm = self.norm(v.fact);
-                    Some(Known {
-                        entries,
-                        fact: self.g.know(&entries, norm, &[v.fact]),
-                    })
+                    Some(Known::within(&mut self.g, entries, norm, &[v.fact]))
                 }
                 Some(_) => None,
             };
@@ -89,7 +77,7 @@ impl Scratch<'_> {
     ) -> [Id; 4] {
         let (s, c) = self.rotation(body);
         let [x, y, _] = v.entries;
-        let y = if rotation.mirrored { self.g.neg(y) } else { y };
+        let y = self.signed(y, rotation.mirrored);
         [(c, x), (s, y), (s, x), (c, y)].map(|(a, b)| self.g.mul(a, b))
     }
 
@@ -100,10 +88,9 @@ impl Scratch<'_> {
     /// carries the longest chain comes last, after those that did not have to wait.
     fn carried(&mut self, i: usize, built: &[Option<Subtree>]) -> Known {
         let m = self.m;
-        let own = [0, 1, 2].map(|k| m.axis_param(i, k));
-        let mut sum = own.map(|index| self.parameter(index));
-        let squares = own.map(|k| self.parameter_limit(k) * self.parameter_limit(k));
-        let mut norm = libm::sqrt(squares.iter().sum());
+        let own = [0, 1, 2].map(|k| self.parameter(m.axis_param(i, k)));
+        let mut sum = own.map(|(parameter, _)| parameter);
+        let mut norm = libm::sqrt(own.iter().map(|(_, limit)| limit * limit).sum());
         let mut fact = self.g.know(&[], norm, &[]);
         for c in self.children[i].clone() {
             let child = built[c]
@@ -132,28 +119,25 @@ impl Scratch<'_> {
             entries = self.twist(&rotation.twist, entries, false);
             self.name(&entries, "w", c);
         }
-        if let Motion::Prismatic {
-            axis: Axis(axis),
-            by,
-        } = m.chain.bodies[c].motion
-        {
-            let s = m.prismatic_param(c);
+        if let Motion::Prismatic { axis, by } = m.chain.bodies[c].motion {
             let position = self.position(&by);
-            let mass = self.parameter(s);
+            let (mass, limit) = self.parameter(m.prismatic_param(c));
             let moved = self.g.mul(position, mass);
-            let axis = (m.axes(i).transpose() * axis).map(tidy);
-            for k in 0..3 {
-                let weight = self.g.constant(axis[k]);
-                let step = self.g.mul(weight, moved);
-                entries[k] = self.g.add(entries[k], step);
-            }
-            extent += m.tree.stroke(&by) * self.parameter_limit(s);
+            entries = self.displaced(entries, self.weights(i, &axis), moved);
+            extent += m.tree.stroke(&by) * limit;
         }
         let fact = self.g.know(&entries, extent, &[t.fact]);
-        for k in 0..3 {
-            sum[k] = self.g.add(sum[k], entries[k]);
-        }
+        *sum = self.added(*sum, entries);
         (extent, fact)
+    }
+
+    /// `x + a b`
+    pub(super) fn displaced(&self, x: [Id; 3], a: [Id; 3], b: Id) -> [Id; 3] {
+        [0, 1, 2].map(|k| self.g.add(x[k], self.g.mul(a[k], b)))
+    }
+
+    pub(super) fn added(&self, a: [Id; 3], b: [Id; 3]) -> [Id; 3] {
+        [0, 1, 2].map(|k| self.g.add(a[k], b[k]))
     }
 
     /// `sum += K Rz(θ) v` product by product, for a twist that only permutes.
@@ -173,8 +157,7 @@ impl Scratch<'_> {
             for (column, terms) in terms.iter().enumerate() {
                 let sign = self.g.constant(k[(row, column)]);
                 for &term in terms {
-                    let term = self.g.mul(sign, term);
-                    *sum = self.g.add(*sum, term);
+                    *sum = self.g.add(*sum, self.g.mul(sign, term));
                 }
             }
         }

@@ -57,9 +57,11 @@ impl Measured<'_> {
     /// The joint yields by `compliance` times its gravity moment over the nominal weight.
     pub fn spring(&mut self, joint: usize, compliance: Id) {
         let compliance = self.mul(self.weight, compliance);
-        let moment = self.g().input(Argument::Free, MOMENTS + joint);
-        let by = self.mul(compliance, moment);
-        self.give_way(joint, by);
+        self.give_way(joint, self.mul(compliance, self.free_moment(joint)));
+    }
+
+    fn free_moment(&self, joint: usize) -> Id {
+        self.g().input(Argument::Free, MOMENTS + joint)
     }
 
     /// The joint is moved by a function of [`Measured::moment`]s.
@@ -68,11 +70,9 @@ impl Measured<'_> {
     }
 
     /// Gravity's moment about a joint, N m: where joints give way it stands for that of each round.
-    pub fn moment(&mut self, joint: usize) -> Id {
+    pub fn moment(&self, joint: usize) -> Id {
         let nominal = self.constant(self.robot().tree.mass * GRAVITY);
-        let weight = self.mul(nominal, self.weight);
-        let over_weight = self.g().input(Argument::Free, MOMENTS + joint);
-        self.mul(weight, over_weight)
+        self.mul(self.mul(nominal, self.weight), self.free_moment(joint))
     }
 
     /// The joint falls to an end of its dead band of half width `half`, rad.
@@ -90,14 +90,12 @@ impl Measured<'_> {
         if self.bends.is_empty() {
             return;
         }
-        let straight = self.joints.clone();
-        let zero = self.constant(0.0);
-        let mut slid = vec![zero; self.bends.len()];
+        let mut slid = vec![self.constant(0.0); self.bends.len()];
         for round in 0..rounds {
             self.rounds.push(self.joints.clone());
             let moments = self.moments(&format!("{round}"));
             self.round_moments.push(moments.clone());
-            let mut bent = straight.clone();
+            let mut bent = self.straight.clone();
             for (bend, slid) in self.bends.clone().into_iter().zip(&mut slid) {
                 let (joint, by) = match bend {
                     Bend::Yield(joint, by) => (joint, self.with_moments(&[by], &moments)[0]),
@@ -123,36 +121,32 @@ impl Measured<'_> {
     }
 
     /// Expressions in which moments are free, at these moments.
-    fn with_moments(&mut self, of: &[Id], moments: &[Id]) -> Vec<Id> {
-        let free: Vec<Id> = (0..moments.len())
-            .map(|j| self.g().input(Argument::Free, MOMENTS + j))
-            .collect();
+    fn with_moments(&self, of: &[Id], moments: &[Id]) -> Vec<Id> {
+        let joints = 0..moments.len();
+        let free: Vec<Id> = joints.map(|joint| self.free_moment(joint)).collect();
         self.g().substitute(of, &free, moments)
     }
 
     /// How far into its band a loose joint is, −1 to 1, after one more round.
-    fn slide(&mut self, before: Id, joint: usize, moment: Id, rounds: usize) -> Id {
+    fn slide(&self, before: Id, joint: usize, moment: Id, rounds: usize) -> Id {
         if self.source == ContextSource::Log {
             let at = PostureContext::of(self.robot()).side(joint);
             return self.posture_context(at);
         }
         let (sharp, step) = (self.constant(SHARP), self.constant(1.0 / rounds as f64));
-        let scaled = self.mul(sharp, moment);
-        let sign = self.scratch.g.clamp(scaled);
-        let moved = self.mul(step, sign);
-        self.add(before, moved)
+        let sign = self.g().clamp(self.mul(sharp, moment));
+        self.add(before, self.mul(step, sign))
     }
 
     /// Gravity's direction in the support frame.
-    pub(super) fn gravity(&mut self) -> Direction {
-        let down = self.constant(-1.0);
+    pub(super) fn gravity(&self) -> Direction {
         let steepness = self.tilt.map(|t| self.g().value(t));
         let norm = match steepness {
             [Some(x), Some(y)] => libm::sqrt(1.0 + x * x + y * y),
             _ => f64::INFINITY,
         };
         Direction {
-            entries: [self.tilt[0], self.tilt[1], down],
+            entries: [self.tilt[0], self.tilt[1], self.constant(-1.0)],
             norm,
             tag: "g",
         }
@@ -169,10 +163,11 @@ impl Measured<'_> {
             for response in self.responses(k) {
                 let by_moments = response.by_moments.iter().map(|(m, c)| (*c, moving[*m]));
                 let by_encoders = response.by_encoders.iter().map(|(j, d)| (*d, encoders[*j]));
-                for (slope, rate) in by_moments.chain(by_encoders) {
-                    let by = self.mul(slope, rate);
-                    rates[response.joint] = self.add(rates[response.joint], by);
-                }
+                rates[response.joint] = by_moments
+                    .chain(by_encoders)
+                    .fold(rates[response.joint], |sum, (slope, rate)| {
+                        self.add(sum, self.mul(slope, rate))
+                    });
             }
         }
         rates
@@ -180,7 +175,7 @@ impl Measured<'_> {
 
     /// The same before anything gives way, by the columns of the encoders.
     pub(super) fn straight_rates(
-        &mut self,
+        &self,
         columns: &[(usize, Vec<(usize, Id)>)],
         encoders: &[Id],
     ) -> Vec<Id> {
@@ -188,8 +183,7 @@ impl Measured<'_> {
         let mut straight = vec![zero; encoders.len()];
         for (j, column) in columns {
             for (joint, slope) in column {
-                let term = self.mul(*slope, encoders[*j]);
-                straight[*joint] = self.add(straight[*joint], term);
+                straight[*joint] = self.add(straight[*joint], self.mul(*slope, encoders[*j]));
             }
         }
         straight
@@ -197,7 +191,7 @@ impl Measured<'_> {
 
     /// Accelerations of the joints where the robot bends, from its `rates`: how those change
     /// as the encoders move on. A dead band stays on its side.
-    pub(super) fn accelerations(&mut self, rates: &[Id]) -> Vec<Id> {
+    pub(super) fn accelerations(&self, rates: &[Id]) -> Vec<Id> {
         let dofs = &self.robot().tree.dofs;
         let mut inputs = HashMap::new();
         for (j, dof) in dofs.iter().enumerate() {
@@ -208,9 +202,8 @@ impl Measured<'_> {
             let acceleration = g.input(Argument::Accelerations, j);
             let (ahead, back) = match dof.prismatic {
                 true => (rate, g.constant(0.0)),
-                false => (g.mul(cos, rate), g.mul(sin, rate)),
+                false => (g.mul(cos, rate), g.neg(g.mul(sin, rate))),
             };
-            let back = g.neg(back);
             inputs.extend([(q, rate), (sin, ahead), (cos, back), (rate, acceleration)]);
         }
         self.g().rates(rates, &inputs)
@@ -227,12 +220,10 @@ impl Measured<'_> {
             for response in self.responses(k) {
                 let own = last[response.joint];
                 for (m, slope) in response.by_moments {
-                    let by = self.mul(slope, own);
-                    rates[m] = self.add(rates[m], by);
+                    rates[m] = self.add(rates[m], self.mul(slope, own));
                 }
                 for (j, slope) in response.by_encoders {
-                    let by = self.mul(slope, own);
-                    slopes[j] = self.add(slopes[j], by);
+                    slopes[j] = self.add(slopes[j], self.mul(slope, own));
                 }
             }
             last = self.moment_rates(k, &rates, tag);
@@ -242,8 +233,7 @@ impl Measured<'_> {
         }
         for (j, column) in self.encoder_columns() {
             for (joint, slope) in column {
-                let term = self.mul(slope, total[joint]);
-                slopes[j] = self.add(slopes[j], term);
+                slopes[j] = self.add(slopes[j], self.mul(slope, total[joint]));
             }
         }
         slopes
@@ -255,58 +245,55 @@ impl Measured<'_> {
     }
 
     /// `C` and `D` of round `k`, by the joints that yield.
-    fn responses(&mut self, k: usize) -> Vec<Response> {
-        let moments = self.round_moments[k].clone();
-        let free = self.free_responses();
-        let at_moments = |of: &mut Self, slopes: Vec<(usize, Id)>| -> Vec<(usize, Id)> {
+    fn responses(&self, k: usize) -> Vec<Response> {
+        let at_moments = |slopes: Vec<(usize, Id)>| -> Vec<(usize, Id)> {
             let (places, slopes): (Vec<usize>, Vec<Id>) = slopes.into_iter().unzip();
-            let slopes = of.with_moments(&slopes, &moments);
+            let slopes = self.with_moments(&slopes, &self.round_moments[k]);
             places.into_iter().zip(slopes).collect()
         };
-        let responses = free.into_iter().map(|(_, response)| Response {
-            by_moments: at_moments(self, response.by_moments),
-            by_encoders: at_moments(self, response.by_encoders),
+        let free = self.free_responses().into_iter();
+        let responses = free.map(|(_, response)| Response {
+            by_moments: at_moments(response.by_moments),
+            by_encoders: at_moments(response.by_encoders),
             ..response
         });
         responses.collect()
     }
 
     /// The same with moments free, each with what moves its joint.
-    fn free_responses(&mut self) -> Vec<(Id, Response)> {
-        let mut responses = Vec::new();
-        for bend in self.bends.clone() {
-            let Bend::Yield(joint, by) = bend else {
-                continue;
+    fn free_responses(&self) -> Vec<(Id, Response)> {
+        // A sign stays where it is.
+        let slopes = |by: Id, arrays: &[Argument]| {
+            let inputs = self.inputs_of(by, arrays).into_iter();
+            let slope = |(input, place)| {
+                let rates = HashMap::from([(input, self.constant(1.0))]);
+                (place, self.g().rates(&[by], &rates)[0])
             };
-            let of_moments = self.inputs_of(by, &[Argument::Free]).into_iter();
-            let of_moments: Vec<(Id, usize)> = of_moments
-                .map(|(id, place)| (id, place - MOMENTS))
-                .collect();
-            let of_encoders = self.inputs_of(by, &ENCODERS);
-            // A sign stays where it is.
-            let mut slopes = |of: Vec<(Id, usize)>| -> Vec<(usize, Id)> {
-                let one = self.constant(1.0);
-                of.into_iter()
-                    .map(|(input, place)| {
-                        let rate = self.g().rates(&[by], &HashMap::from([(input, one)]));
-                        (place, rate[0])
-                    })
-                    .collect()
-            };
+            inputs.map(slope).collect::<Vec<(usize, Id)>>()
+        };
+        let yields = self.bends.iter().filter_map(|bend| match *bend {
+            Bend::Yield(joint, by) => Some((joint, by)),
+            Bend::Slack(..) => None,
+        });
+        let responses = yields.map(|(joint, by)| {
+            let mut by_moments = slopes(by, &[Argument::Free]);
+            by_moments
+                .iter_mut()
+                .for_each(|(place, _)| *place -= MOMENTS);
             let response = Response {
                 joint,
-                by_moments: slopes(of_moments),
-                by_encoders: slopes(of_encoders),
+                by_moments,
+                by_encoders: slopes(by, &ENCODERS),
             };
-            responses.push((by, response));
-        }
-        responses
+            (by, response)
+        });
+        responses.collect()
     }
 
     /// How far joints are moved by moments over the weight (m, as [`Argument::Free`]) at encoder
     /// positions, and how much of it each moment makes: the program's outputs are the motions of
     /// all joints, then slopes, one for each pair (joint, moment) that is given beside it.
-    pub(crate) fn yielding(mut self) -> (Program, Vec<(usize, usize)>) {
+    pub(crate) fn yielding(self) -> (Program, Vec<(usize, usize)>) {
         let dof = self.robot().dof();
         let zero = self.constant(0.0);
         let mut outputs = vec![zero; dof];
@@ -336,24 +323,19 @@ impl Measured<'_> {
         let gravity = self.gravity();
         self.scratch.pass = format!("{tag}{k}");
         let mut moving = self.scratch.slope_rates(&gravity, &subtrees, rates);
-        for p in 0..self.pulls.len() {
-            let pull = self.direction_of(p);
-            let more = self.at_point(p, &format!("{tag}{k}p{p}"), |scratch, subtrees| {
-                scratch.slope_rates(&pull, &subtrees, rates)
-            });
-            for (moving, more) in moving.iter_mut().zip(more) {
-                *moving = self.add(*moving, more);
-            }
-        }
+        self.add_pulls(
+            &mut moving,
+            &format!("{tag}{k}"),
+            |scratch, subtrees, pull| scratch.slope_rates(&pull, &subtrees, rates),
+        );
         moving
     }
 
     /// `∂φ/∂q_j` of the joints that encoder `j` says something of, zeros left out.
-    pub(super) fn encoder_columns(&mut self) -> Vec<(usize, Vec<(usize, Id)>)> {
-        let straight = self.straight.clone();
+    pub(super) fn encoder_columns(&self) -> Vec<(usize, Vec<(usize, Id)>)> {
         let mut columns: Vec<(usize, Vec<(usize, Id)>)> =
-            (0..straight.len()).map(|j| (j, Vec::new())).collect();
-        for (joint, phi) in straight.into_iter().enumerate() {
+            (0..self.straight.len()).map(|j| (j, Vec::new())).collect();
+        for (joint, &phi) in self.straight.iter().enumerate() {
             for (input, j) in self.inputs_of(phi, &ENCODERS) {
                 let slope = match input == phi {
                     true => self.constant(1.0),
@@ -366,7 +348,7 @@ impl Measured<'_> {
     }
 
     /// The inputs of these arrays that an expression reads: nodes and places.
-    fn inputs_of(&mut self, x: Id, arrays: &[Argument]) -> Vec<(Id, usize)> {
+    fn inputs_of(&self, x: Id, arrays: &[Argument]) -> Vec<(Id, usize)> {
         let (mut found, mut seen, mut stack) = (Vec::new(), HashSet::new(), vec![x]);
         while let Some(id) = stack.pop() {
             if !seen.insert(id) {

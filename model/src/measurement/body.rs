@@ -73,11 +73,8 @@ impl Measured<'_> {
     }
 
     /// Joint velocities as encoders have them.
-    fn encoder_rates(&mut self) -> Vec<Id> {
-        let dof = self.robot().dof();
-        (0..dof)
-            .map(|j| self.g().input(Argument::Velocities, j))
-            .collect()
+    fn encoder_rates(&self) -> Vec<Id> {
+        self.g().inputs(Argument::Velocities, self.robot().dof())
     }
 
     /// The program of a function of these outputs; `None` where sines and cosines do not tell all of it.

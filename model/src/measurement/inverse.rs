@@ -15,7 +15,7 @@
 //! none, has no inverse: what comes out means nothing, and may be no number.
 
 use super::{Measured, foot};
-use crate::expr::{Argument, Id};
+use crate::expr::Id;
 
 /// Rounds of Newton's method, each with the part of the way from the middle of the
 /// cells to their edges that it stays within: all four touch up to a half. Roots of
@@ -33,8 +33,7 @@ impl Measured<'_> {
         let mut rows = Vec::with_capacity(slopes.len());
         for axis in 0..2 {
             for (x, y) in x.iter().zip(y) {
-                let (x, y) = (self.mul(by_x[axis], *x), self.mul(by_y[axis], *y));
-                rows.push(self.add(x, y));
+                rows.push(self.g().dot(&[by_x[axis], by_y[axis]], &[*x, *y]));
             }
         }
         rows
@@ -42,7 +41,7 @@ impl Measured<'_> {
 
     /// A CoP that is free, and the reading that `rewrite` makes of it.
     fn freely(&mut self, rewrite: impl FnOnce(&mut Self)) -> ([Id; 2], [Id; 2]) {
-        let free = [0, 1].map(|axis| self.g().input(Argument::Free, axis));
+        let free = self.free_cop();
         self.reading = free;
         rewrite(self);
         (free, self.reading)
@@ -55,13 +54,13 @@ impl Measured<'_> {
         let [by_x, by_y] = free.map(|x| self.g().derivative(&found, x));
         let g = self.g();
         let [ex, ey] = [0, 1].map(|axis| g.sub(goal[axis], found[axis]));
-        let minor = |g: &mut crate::expr::Graph, a: Id, b: Id, c: Id, d: Id| {
-            let (ad, bc) = (g.mul(a, d), g.mul(b, c));
-            g.sub(ad, bc)
+        let minor = |a, b, c, d| {
+            let whole = g.mul(a, d);
+            g.sub(whole, g.mul(b, c))
         };
-        let whole = minor(g, by_x[0], by_y[0], by_x[1], by_y[1]);
-        let along_x = minor(g, ex, by_y[0], ey, by_y[1]);
-        let along_y = minor(g, by_x[0], ex, by_x[1], ey);
+        let whole = minor(by_x[0], by_y[0], by_x[1], by_y[1]);
+        let along_x = minor(ex, by_y[0], ey, by_y[1]);
+        let along_y = minor(by_x[0], ex, by_x[1], ey);
         let step = [along_x, along_y].map(|part| g.div(part, whole));
         let next = [0, 1].map(|axis| g.add(free[axis], step[axis]));
         self.reading = self.kept(goal, ROUNDS[0]);
@@ -73,7 +72,7 @@ impl Measured<'_> {
     }
 
     /// A CoP, no further out than this part of the way to the foot's cells.
-    fn kept(&mut self, cop: [Id; 2], part: f64) -> [Id; 2] {
+    fn kept(&self, cop: [Id; 2], part: f64) -> [Id; 2] {
         let Some((middle, half)) = foot::rectangle(&self.cells) else {
             return cop;
         };
@@ -82,10 +81,8 @@ impl Measured<'_> {
             let [back, scale, out] = [-middle[axis], 1.0 / most, most];
             let [back, scale, out] = [back, scale, out].map(|x| self.constant(x));
             let [off, middle] = [self.add(cop[axis], back), self.constant(middle[axis])];
-            let off = self.mul(scale, off);
-            let inside = self.g().clamp(off);
-            let inside = self.mul(out, inside);
-            self.add(inside, middle)
+            let inside = self.g().clamp(self.mul(scale, off));
+            self.add(self.mul(out, inside), middle)
         })
     }
 }

@@ -109,12 +109,8 @@ impl<'m> Measured<'m> {
     ) -> Self {
         let mut scratch = Scratch::new(robot, given, parameters);
         let joints = scratch.positions.clone();
-        let masses = (0..robot.base.params.len())
-            .map(|k| {
-                let limit = scratch.parameter_limit(Some(k));
-                (scratch.parameter(Some(k)), limit)
-            })
-            .collect();
+        let params = 0..robot.base.params.len();
+        let masses = params.map(|k| scratch.parameter(Some(k))).collect();
         scratch.masses = Some(masses);
         let (one, zero) = (scratch.g.constant(1.0), scratch.g.constant(0.0));
         let mut measured = Measured {
@@ -154,18 +150,18 @@ impl<'m> Measured<'m> {
     }
 
     /// The graph that everything is written in.
-    pub fn g(&mut self) -> &mut Graph {
-        &mut self.scratch.g
+    pub fn g(&self) -> &Graph {
+        &self.scratch.g
     }
 
     /// Element `index` of the posture's [`PostureContext`].
-    pub fn posture_context(&mut self, index: usize) -> Id {
+    pub fn posture_context(&self, index: usize) -> Id {
         self.scratch.g.input(Argument::Context, index)
     }
 
     /// What a formula finds beside positions and readings: an input of code that takes it, in a
     /// log what that has of it, else `usual`.
-    pub(crate) fn beyond(&mut self, variable: &Variable, usual: f64) -> Id {
+    pub(crate) fn beyond(&self, variable: &Variable, usual: f64) -> Id {
         if let Some(place) = self.beyond.iter().position(|known| known == variable) {
             return self.posture_context(place);
         }
@@ -186,38 +182,38 @@ impl<'m> Measured<'m> {
     }
 
     /// The node of a constant.
-    pub fn constant(&mut self, x: f64) -> Id {
+    pub fn constant(&self, x: f64) -> Id {
         self.scratch.g.constant(x)
     }
 
     /// `a + b`
-    pub fn add(&mut self, a: Id, b: Id) -> Id {
+    pub fn add(&self, a: Id, b: Id) -> Id {
         self.scratch.g.add(a, b)
     }
 
     /// `a − b`
-    pub fn sub(&mut self, a: Id, b: Id) -> Id {
+    pub fn sub(&self, a: Id, b: Id) -> Id {
         self.scratch.g.sub(a, b)
     }
 
     /// `a b`
-    pub fn mul(&mut self, a: Id, b: Id) -> Id {
+    pub fn mul(&self, a: Id, b: Id) -> Id {
         self.scratch.g.mul(a, b)
     }
 
     /// `a / b`
-    pub fn div(&mut self, a: Id, b: Id) -> Id {
+    pub fn div(&self, a: Id, b: Id) -> Id {
         self.scratch.g.div(a, b)
     }
 
     /// `−a`
-    pub fn neg(&mut self, a: Id) -> Id {
+    pub fn neg(&self, a: Id) -> Id {
         self.scratch.g.neg(a)
     }
 
     /// `joint += by`
     pub fn shift_joint(&mut self, joint: usize, by: Id) {
-        self.joints[joint] = self.scratch.g.add(self.joints[joint], by);
+        self.joints[joint] = self.add(self.joints[joint], by);
     }
 
     /// Velocities and accelerations are those of `by` seconds later; positions are shifted by
@@ -238,7 +234,7 @@ impl<'m> Measured<'m> {
     /// with `G` the weight on the ground over the nominal one; `c = 1` where `G` was.
     pub fn load(&mut self, link: usize, share: Id, moment: [Id; 3]) -> Id {
         let map = self.robot().standard_map_of(link);
-        let g = &mut self.scratch.g;
+        let g = &self.scratch.g;
         let sizes = [share, moment[0], moment[1], moment[2]].map(|x| g.value(x));
         if let [Some(share), Some(x), Some(y), Some(z)] = sizes
             && share != 0.0
@@ -257,8 +253,7 @@ impl<'m> Measured<'m> {
                 one
             }
             _ => {
-                let before = g.mul(self.weight, bare);
-                let all = g.add(before, share);
+                let all = g.add(g.mul(self.weight, bare), share);
                 self.weight = g.div(all, bare);
                 g.div(one, all)
             }
@@ -269,8 +264,7 @@ impl<'m> Measured<'m> {
         for ((mass, limit), row) in masses.iter_mut().zip(map.row_iter()) {
             let weights: Vec<Id> = row.iter().map(|w| g.constant(*w)).collect();
             let added = g.dot(&weights, &with);
-            let kept = g.mul(rest, *mass);
-            *mass = g.add(kept, added);
+            *mass = g.add(g.mul(rest, *mass), added);
             // A constant's size is known; of an argument the sum is at most this.
             *limit = match g.value(*mass) {
                 Some(x) => libm::fabs(x),
@@ -300,10 +294,9 @@ impl<'m> Measured<'m> {
     pub fn pull(&mut self, link: usize, force: [Id; 2], share: Id) {
         let (zero, before) = (self.constant(0.0), self.carried.len());
         let factor = self.load(link, share, [zero; 3]);
-        self.carried
-            .iter_mut()
-            .skip(before)
-            .for_each(|load| load.inert = false);
+        for load in &mut self.carried[before..] {
+            load.inert = false;
+        }
         let map = self.robot().standard_map_of(link);
         let point = map.column(0).iter().copied().collect();
         let force = force.map(|force| self.mul(factor, force));
@@ -313,12 +306,9 @@ impl<'m> Measured<'m> {
 
     /// What pull `k` is horizontally, less what counting it as a load puts there
     /// on a slope.
-    fn sideways(&mut self, k: usize) -> [Id; 2] {
+    fn sideways(&self, k: usize) -> [Id; 2] {
         let Pull { force, load, .. } = self.pulls[k];
-        [0, 1].map(|axis| {
-            let along = self.mul(self.tilt[axis], load);
-            self.sub(force[axis], along)
-        })
+        [0, 1].map(|axis| self.sub(force[axis], self.mul(self.tilt[axis], load)))
     }
 
     /// Gravity moments of all joints at [`Measured::joints`], over the weight, m:
@@ -328,20 +318,32 @@ impl<'m> Measured<'m> {
         let subtrees = self.scratch.subtrees(Wanted::Rotated);
         let gravity = self.gravity();
         let mut moments = self.scratch.slopes_along(&[gravity], &subtrees, false);
-        for k in 0..self.pulls.len() {
-            let pull = self.direction_of(k);
-            let more = self.at_point(k, &format!("{pass}p{k}"), |scratch, subtrees| {
-                scratch.slopes_along(&[pull], &subtrees, false)
-            });
-            for (moment, more) in moments.iter_mut().zip(more) {
-                *moment = self.scratch.g.add(*moment, more);
-            }
-        }
+        self.add_pulls(&mut moments, pass, |scratch, subtrees, pull| {
+            scratch.slopes_along(&[pull], &subtrees, false)
+        });
         moments
     }
 
+    /// Adds what `of` makes of each pull to the moments of all joints.
+    fn add_pulls(
+        &mut self,
+        moments: &mut [Id],
+        pass: &str,
+        of: impl Fn(&mut Scratch, Vec<Subtree>, Direction) -> Vec<Id>,
+    ) {
+        for k in 0..self.pulls.len() {
+            let pull = self.direction_of(k);
+            let more = self.at_point(k, &format!("{pass}p{k}"), |scratch, subtrees| {
+                of(scratch, subtrees, pull)
+            });
+            for (moment, more) in moments.iter_mut().zip(more) {
+                *moment = self.add(*moment, more);
+            }
+        }
+    }
+
     /// Where pull `k` pulls beside the load that it is counted as.
-    fn direction_of(&mut self, k: usize) -> Direction {
+    fn direction_of(&self, k: usize) -> Direction {
         let [x, y] = self.sideways(k);
         Direction {
             entries: [x, y, self.constant(0.0)],
@@ -363,8 +365,7 @@ impl<'m> Measured<'m> {
                 scratch.slopes_along(&up, &subtrees, false)
             });
             for (place, slope) in slopes.iter_mut().enumerate() {
-                let more = self.mul(force[place / dof], rising[place % dof]);
-                *slope = self.add(*slope, more);
+                *slope = self.add(*slope, self.mul(force[place / dof], rising[place % dof]));
             }
         }
         self.lean_slopes(&mut slopes);
@@ -380,12 +381,12 @@ impl<'m> Measured<'m> {
     }
 
     /// The CoP that a soft ground's slope is a function of.
-    pub fn free_cop(&mut self) -> [Id; 2] {
+    pub fn free_cop(&self) -> [Id; 2] {
         [0, 1].map(|axis| self.g().input(Argument::Free, axis))
     }
 
     /// Functions of the CoP at the one that presses on the ground.
-    fn under(&mut self, of: &[Id]) -> Vec<Id> {
+    fn under(&self, of: &[Id]) -> Vec<Id> {
         let (free, firm) = (self.free_cop(), self.firm);
         self.g().substitute(of, &free, &firm)
     }
@@ -396,13 +397,11 @@ impl<'m> Measured<'m> {
             return;
         }
         let dof = self.robot().dof();
-        let (height, rising) = {
-            self.at(self.joints.clone(), "");
-            let subtrees = self.scratch.subtrees(Wanted::Rotated);
-            let up = self.scratch.axes_of_support(&[2]);
-            let rising = self.scratch.slopes_along(&up, &subtrees, false);
-            (subtrees[0].v.entries[2], rising)
-        };
+        self.at(self.joints.clone(), "");
+        let subtrees = self.scratch.subtrees(Wanted::Rotated);
+        let up = self.scratch.axes_of_support(&[2]);
+        let rising = self.scratch.slopes_along(&up, &subtrees, false);
+        let height = subtrees[0].v.entries[2];
         let firm = slopes.to_vec();
         let free = self.free_cop();
         for (axis, slope) in self.soft.clone() {
@@ -410,10 +409,8 @@ impl<'m> Measured<'m> {
             let at = self.under(&[slope, by_cop[0], by_cop[1]]);
             for j in 0..dof {
                 let [x, y] = [0, 1].map(|k| self.mul(at[1 + k], firm[k * dof + j]));
-                let turning = self.add(x, y);
-                let turning = self.mul(height, turning);
-                let more = self.mul(at[0], rising[j]);
-                let more = self.add(more, turning);
+                let turning = self.mul(height, self.add(x, y));
+                let more = self.add(self.mul(at[0], rising[j]), turning);
                 slopes[axis * dof + j] = self.add(slopes[axis * dof + j], more);
             }
         }
@@ -429,9 +426,8 @@ impl<'m> Measured<'m> {
         let mut slopes = Vec::with_capacity(2 * dof);
         for axis in 0..2 {
             for j in 0..dof {
-                let g = &mut self.scratch.g;
-                let leaning = g.mul(self.tilt[axis], jacobian[2 * dof + j]);
-                slopes.push(g.add(jacobian[axis * dof + j], leaning));
+                let leaning = self.mul(self.tilt[axis], jacobian[2 * dof + j]);
+                slopes.push(self.add(jacobian[axis * dof + j], leaning));
             }
         }
         slopes
@@ -442,28 +438,18 @@ impl<'m> Measured<'m> {
     pub(crate) fn stand(&mut self, moving: bool) {
         self.at(self.joints.clone(), "");
         let com = self.scratch.subtrees(Wanted::Sums)[0].v.entries;
-        for axis in 0..2 {
-            let g = &mut self.scratch.g;
-            let leaning = g.mul(self.tilt[axis], com[2]);
-            self.reading[axis] = g.add(com[axis], leaning);
-        }
+        self.reading = [0, 1].map(|k| self.add(com[k], self.mul(self.tilt[k], com[2])));
         let mut pulled = [self.constant(0.0); 2];
         for k in 0..self.pulls.len() {
             let height = self.at_point(k, &format!("p{k}"), |_, subtrees| subtrees[0].v.entries[2]);
             let force = self.sideways(k);
-            for (axis, force) in force.into_iter().enumerate() {
-                let moved = self.mul(force, height);
-                pulled[axis] = self.add(pulled[axis], moved);
-            }
+            pulled = [0, 1].map(|axis| self.add(pulled[axis], self.mul(force[axis], height)));
         }
-        for (axis, pulled) in pulled.into_iter().enumerate() {
-            self.reading[axis] = self.add(self.reading[axis], pulled);
-        }
+        self.reading = [0, 1].map(|axis| self.add(self.reading[axis], pulled[axis]));
         self.firm = self.reading;
         for (axis, slope) in self.soft.clone() {
             let lean = self.under(&[slope])[0];
-            let moved = self.mul(lean, com[2]);
-            self.reading[axis] = self.add(self.reading[axis], moved);
+            self.reading[axis] = self.add(self.reading[axis], self.mul(lean, com[2]));
         }
         if self.source != ContextSource::Posture {
             self.set_in_motion(pulled, moving);
@@ -525,20 +511,22 @@ impl<'m> Measured<'m> {
             self.of_point(point, &format!("o{column}"), height)
         };
         let [origin, x, y] = [0, 1, 2].map(&mut height);
-        let pitch = self.neg(x);
-        [origin, y, pitch]
+        [origin, y, self.neg(x)]
     }
 
     /// The record's unit, once everything else is written.
     pub(crate) fn record(&mut self) {
-        let scale = self.constant(self.record_scale);
-        self.reading = self.reading.map(|y| self.scratch.g.mul(scale, y));
+        self.scale_reading(self.record_scale);
     }
 
     /// Metres again, before anything else is undone.
     pub(crate) fn unrecord(&mut self) {
-        let scale = self.constant(1.0 / self.record_scale);
-        self.reading = self.reading.map(|y| self.scratch.g.mul(scale, y));
+        self.scale_reading(1.0 / self.record_scale);
+    }
+
+    fn scale_reading(&mut self, scale: f64) {
+        let scale = self.constant(scale);
+        self.reading = self.reading.map(|y| self.mul(scale, y));
     }
 
     /// The graph, once everything is written.

@@ -60,24 +60,20 @@ impl Measured<'_> {
         let bare = self.sub(one, loads.share);
         let carried = self.add(one, lift);
         let own = self.mul(bare, carried);
-        let load = self.add(own, loads.share);
-        let load = self.add(load, loads.lift);
+        let load = self.add(self.add(own, loads.share), loads.lift);
         self.reading = [0, 1].map(|axis| {
             let pressed = self.add(loads.pressed[axis], pulled[axis]);
             let unloaded = self.sub(self.reading[axis], pressed);
             // λ s' + (1 − λ) P
-            let more = self.mul(lift, unloaded);
-            let standing = self.add(self.reading[axis], more);
-            let shifted = self.mul(own, shift[axis]);
-            let sum = self.add(standing, shifted);
-            let sum = self.add(sum, loads.moment[axis]);
-            self.div(sum, load)
+            let standing = self.add(self.reading[axis], self.mul(lift, unloaded));
+            let sum = self.add(standing, self.mul(own, shift[axis]));
+            self.div(self.add(sum, loads.moment[axis]), load)
         });
     }
 
     /// What motion adds to the CoP on an axis, at the joints and the time where the robot is:
     /// `Δ + Σ_j ∂Δ/∂q_j δq_j + Δ̇ δt + ½ Δ̈ δt²`.
-    fn shift(&mut self, axis: usize) -> Id {
+    fn shift(&self, axis: usize) -> Id {
         let layout = PostureContext::of(self.robot());
         let mut shift = self.posture_context(layout.shift(axis));
         for dof in 0..self.joints.len() {
@@ -85,19 +81,15 @@ impl Measured<'_> {
             if joint != wired {
                 let off = self.sub(joint, wired);
                 let slope = self.posture_context(layout.shift_slope(dof, axis));
-                let by = self.mul(slope, off);
-                shift = self.add(shift, by);
+                shift = self.add(shift, self.mul(slope, off));
             }
         }
-        for k in 0..self.late.len() {
+        for &late in &self.late {
             let by = [1, 2].map(|order| layout.shift_in_time(order, axis));
             let [rate, curve] = by.map(|index| self.posture_context(index));
-            let half = self.constant(0.5);
-            let half = self.mul(half, self.late[k]);
-            let curve = self.mul(half, curve);
-            let rate = self.add(rate, curve);
-            let by = self.mul(rate, self.late[k]);
-            shift = self.add(shift, by);
+            let half = self.mul(self.constant(0.5), late);
+            let rate = self.add(rate, self.mul(half, curve));
+            shift = self.add(shift, self.mul(rate, late));
         }
         shift
     }
@@ -115,24 +107,19 @@ impl Measured<'_> {
         for (k, load) in self.carried.clone().iter().enumerate() {
             let [place, arm] = self.moving_load(load, &motion, k);
             sums.share = self.add(sums.share, load.share);
-            let weighed = |at: &mut Self, x: [Id; 3], arm: [Id; 3]| {
-                [0, 1, 2].map(|axis| {
-                    let placed = at.mul(load.share, x[axis]);
-                    at.add(placed, arm[axis])
-                })
+            let weighed = |x: [Id; 3], arm: [Id; 3]| {
+                [0, 1, 2].map(|axis| self.add(self.mul(load.share, x[axis]), arm[axis]))
             };
-            let at = weighed(self, place.at, arm.at);
+            let at = weighed(place.at, arm.at);
             for axis in 0..2 {
-                let leaning = self.mul(self.tilt[axis], at[2]);
-                let pressed = self.add(at[axis], leaning);
+                let pressed = self.add(at[axis], self.mul(self.tilt[axis], at[2]));
                 sums.pressed[axis] = self.add(sums.pressed[axis], pressed);
             }
             if !load.inert {
                 continue;
             }
-            let gain = weighed(self, place.gain, arm.gain);
-            let lift = self.mul(per_gravity, gain[2]);
-            sums.lift = self.add(sums.lift, lift);
+            let gain = weighed(place.gain, arm.gain);
+            sums.lift = self.add(sums.lift, self.mul(per_gravity, gain[2]));
             let inverse = self.inverse_of(load.share);
             for axis in 0..2 {
                 // μ x z̈ − μ z ẍ = (μ o + R m) × ö + o × R̈ m + R m × R̈ m/μ
@@ -140,8 +127,7 @@ impl Measured<'_> {
                 let by_arm = self.turned_about(axis, place.at, arm.gain);
                 let own = self.turned_about(axis, arm.at, arm.gain);
                 let own = self.mul(inverse, own);
-                let sum = self.add(by_place, by_arm);
-                let sum = self.add(sum, own);
+                let sum = self.add(self.add(by_place, by_arm), own);
                 let moment = self.mul(per_gravity, sum);
                 sums.moment[axis] = self.add(sums.moment[axis], moment);
             }
@@ -153,19 +139,17 @@ impl Measured<'_> {
     fn moving_load(&mut self, load: &CarriedLoad, motion: &JointMotion, k: usize) -> [Moving; 2] {
         let map = self.robot().standard_map_of(load.link);
         let place: Vec<Id> = map.column(0).iter().map(|w| self.constant(*w)).collect();
-        let arm: Vec<Id> = map
-            .row_iter()
-            .map(|row| {
-                let weights = [1, 2, 3].map(|column| self.constant(row[column]));
-                self.g().dot(&weights, &load.moment)
-            })
-            .collect();
+        let arm = map.row_iter().map(|row| {
+            let weights = [1, 2, 3].map(|column| self.constant(row[column]));
+            self.g().dot(&weights, &load.moment)
+        });
+        let arm = arm.collect();
         self.at(self.joints.clone(), "");
         let before = std::mem::replace(&mut self.scratch.pass, format!("l{k}"));
         let own = self.scratch.masses.take();
         let found = [place, arm].map(|point| {
             self.scratch.masses = Some(point.into_iter().map(|x| (x, f64::INFINITY)).collect());
-            let (at, gain) = self.scratch.accelerated_point(motion);
+            let (at, gain, _) = self.scratch.accelerated_point(motion);
             Moving { at, gain }
         });
         self.scratch.masses = own;
@@ -175,14 +159,15 @@ impl Measured<'_> {
 
     /// Velocities and accelerations of the joints by those of the encoders in the context.
     /// Springs and dead bands are left out, which move by a small part of what they bend.
-    fn motion_of_joints(&mut self) -> JointMotion {
+    fn motion_of_joints(&self) -> JointMotion {
         let layout = PostureContext::of(self.robot());
         let dof = self.robot().dof();
-        let encoders = |at: &mut Self, of: &dyn Fn(usize) -> usize| -> Vec<Id> {
-            (0..dof).map(|j| at.posture_context(of(j))).collect()
+        let inputs = |place: fn(PostureContext, usize) -> usize| -> Vec<Id> {
+            let places = (0..dof).map(|j| place(layout, j));
+            places.map(|place| self.posture_context(place)).collect()
         };
-        let rates = encoders(self, &|j| layout.rate(j));
-        let accelerations = encoders(self, &|j| layout.acceleration(j));
+        let rates = inputs(PostureContext::rate);
+        let accelerations = inputs(PostureContext::acceleration);
         let columns = self.encoder_columns();
         JointMotion {
             rates: self.straight_rates(&columns, &rates),
@@ -191,7 +176,7 @@ impl Measured<'_> {
     }
 
     /// `1/μ`; of an unknown μ nearly.
-    fn inverse_of(&mut self, share: Id) -> Id {
+    fn inverse_of(&self, share: Id) -> Id {
         let one = self.constant(1.0);
         match self.g().value(share) {
             Some(x) if x != 0.0 => self.div(one, share),
@@ -199,16 +184,13 @@ impl Measured<'_> {
             None => {
                 let square = self.mul(share, share);
                 let least = self.constant(LEAST_SHARE * LEAST_SHARE);
-                let sum = self.add(square, least);
-                self.div(share, sum)
+                self.div(share, self.add(square, least))
             }
         }
     }
 
     /// `x a_z − z a_x` on an axis: the moment of a push `a` at x about the sole.
-    fn turned_about(&mut self, axis: usize, x: [Id; 3], push: [Id; 3]) -> Id {
-        let up = self.mul(x[axis], push[2]);
-        let along = self.mul(x[2], push[axis]);
-        self.sub(up, along)
+    fn turned_about(&self, axis: usize, x: [Id; 3], push: [Id; 3]) -> Id {
+        self.sub(self.mul(x[axis], push[2]), self.mul(x[2], push[axis]))
     }
 }

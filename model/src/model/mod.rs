@@ -323,20 +323,14 @@ impl Model {
         let parameter = |(k, param): (usize, &base::BaseParam)| {
             let size = self.param_limits[k];
             bounds::Input {
-                lower: -size,
-                upper: size,
                 ulps_of: param.ulps_of,
-                absolute: 0.0,
-                rounded: true,
+                ..bounds::Input::rounded(-size, size)
             }
         };
         // A prismatic joint passes its position where a revolute one passes its sine.
         let sine = |dof: &tree::Dof| match dof.prismatic {
             true => joint(dof),
-            false => bounds::Input {
-                rounded: true,
-                ..bounds::Input::exact(-1.0, 1.0)
-            },
+            false => bounds::Input::rounded(-1.0, 1.0),
         };
         let of = |argument: Argument| match argument {
             Argument::Positions => self.tree.dofs.iter().map(joint).collect(),
@@ -359,19 +353,15 @@ impl Model {
             Argument::Parameters => self.base.params.iter().enumerate().map(parameter).collect(),
             Argument::Reading => self
                 .largest_reading()
-                .map(|most| bounds::Input {
-                    rounded: true,
-                    ..bounds::Input::exact(-most, most)
-                })
+                .map(|most| bounds::Input::rounded(-most, most))
                 .to_vec(),
             // A direction d, ‖d‖ ≤ 1.
             Argument::Direction => vec![bounds::Input::exact(-1.0, 1.0); 3],
             Argument::Context => {
-                let of = |(range, _): ([f64; 2], f64)| bounds::Input {
-                    rounded: true,
-                    ..bounds::Input::exact(range[0], range[1])
-                };
-                self.about_beyond().into_iter().map(of).collect()
+                let about = self.about_beyond().into_iter();
+                about
+                    .map(|([least, most], _)| bounds::Input::rounded(least, most))
+                    .collect()
             }
             // Those of fits: no bound is proven for them.
             Argument::Unknowns | Argument::Free => Vec::new(),

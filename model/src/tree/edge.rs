@@ -18,18 +18,6 @@ pub struct Coordinate {
     pub offset: f64,
 }
 
-/// A unit vector along a joint.
-#[doc(hidden)]
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Axis(pub(crate) Vector3<f64>);
-
-impl Axis {
-    /// x, y, z.
-    pub fn components(self) -> [f64; 3] {
-        self.0.into()
-    }
-}
-
 /// How an edge moves.
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,17 +27,27 @@ pub enum Motion {
     /// A revolute joint.
     Revolute {
         /// A unit vector in the far link.
-        axis: Axis,
+        axis: Vector3<f64>,
         /// rad
         by: Coordinate,
     },
     /// A prismatic joint.
     Prismatic {
         /// A unit vector in the near link.
-        axis: Axis,
+        axis: Vector3<f64>,
         /// m
         by: Coordinate,
     },
+}
+
+impl Motion {
+    /// What moves it, where anything does.
+    pub fn coordinate(self) -> Option<Coordinate> {
+        match self {
+            Motion::Fixed => None,
+            Motion::Revolute { by, .. } | Motion::Prismatic { by, .. } => Some(by),
+        }
+    }
 }
 
 /// A joint, walked away from the support.
@@ -120,7 +118,7 @@ pub(super) fn edge(
                 origin.value * axis.value
             };
             Motion::Prismatic {
-                axis: Axis(along.map(snap::tidy)),
+                axis: along.map(snap::tidy),
                 by,
             }
         }
@@ -137,10 +135,7 @@ pub(super) fn edge(
             } else {
                 axis.value
             };
-            Motion::Revolute {
-                axis: Axis(axis),
-                by,
-            }
+            Motion::Revolute { axis, by }
         }
     };
     let (mut anchor, offset) = if reversed {
@@ -150,17 +145,11 @@ pub(super) fn edge(
     };
     // A tied joint that cannot move (multiplier 0, or a fixed master) is a fixed one.
     let motion = match motion {
-        Motion::Revolute {
-            axis: Axis(axis),
-            by,
-        } if by.factor == 0.0 => {
+        Motion::Revolute { axis, by } if by.factor == 0.0 => {
             rotation = (rotation * snap::about(&axis, by.offset)).map(snap::tidy);
             Motion::Fixed
         }
-        Motion::Prismatic {
-            axis: Axis(axis),
-            by,
-        } if by.factor == 0.0 => {
+        Motion::Prismatic { axis, by } if by.factor == 0.0 => {
             anchor += axis * by.offset;
             Motion::Fixed
         }

@@ -7,30 +7,34 @@ use std::collections::HashMap;
 
 use super::draft::Draft;
 use super::joint::JointDraft;
-use super::nearest::{SUGGESTIONS, suggest};
+use super::nearest::Suggestions;
 use super::report::{Report, chained, listed, shown};
-use super::values::At;
 
 pub(super) fn check(draft: &Draft, report: &mut Report) {
     // Names with `${...}` in them cannot be looked up in the tree.
     if draft.links.is_empty() || report.is_unexpanded() {
         return;
     }
-    let links = Names::of(
-        draft
-            .links
-            .iter()
-            .map(|link| (link.name.as_deref(), link.line)),
-        "link",
-        report,
-    );
-    let joints = draft
-        .joints
+    let links = draft
+        .links
         .iter()
-        .map(|joint| (joint.name.as_deref(), joint.line));
+        .map(|link| (link.found.name.as_str(), link.line));
+    let links = Names::of(links, "link", report);
+    let joints = draft.joints.iter();
+    let joints = joints.map(|joint| (joint.found.name.as_str(), joint.line));
     Names::of(joints, "joint", report);
-    check_mass(draft, report);
-
+    // A mass that was complained about is no number.
+    let total_kg: f64 = draft
+        .links
+        .iter()
+        .map(|link| link.found.inertial.mass_kg)
+        .sum();
+    if total_kg == 0.0 {
+        report.complain(
+            draft.line,
+            "no link has a mass, so there is no centre of mass; add <inertial><mass value=\"...\"/>",
+        );
+    }
     let edges = find_edges(draft, &links.index, report);
     let whole = links.whole && edges.iter().all(Option::is_some);
     check_tree(draft, &edges, whole, report);
@@ -42,35 +46,26 @@ fn find_edges(
     links: &HashMap<&str, usize>,
     report: &mut Report,
 ) -> Vec<Option<Edge>> {
-    let mut wrong = 0;
-    let mut find = |joint: &JointDraft, end: &Option<At<String>>, what: &str| {
-        let end = end.as_ref()?;
-        let found = links.get(end.value.as_str()).copied();
-        if found.is_none() {
-            wrong += 1;
-            let owner = joint.name.as_deref().unwrap_or_default();
-            let names = draft.links.iter().filter_map(|link| link.name.as_deref());
-            let remedy = (wrong <= SUGGESTIONS)
-                .then(|| suggest(&end.value, owner, names))
-                .flatten();
+    let mut suggestions = Suggestions::default();
+    let mut find = |joint: &JointDraft, end: &str, line: u32, what: &str| {
+        let found = links.get(end).copied();
+        // An end that is missing was complained about.
+        if found.is_none() && !end.is_empty() {
+            let names = draft.links.iter().map(|link| link.found.name.as_str());
+            let otherwise = "; add the link or correct the name";
+            let remedy = suggestions.remedy(end, &joint.found.name, names, otherwise);
+            let (joint, end) = (subject(joint), shown(end));
             report.complain(
-                end.line,
-                format!(
-                    "{}: {what} link {} does not exist{}",
-                    subject(joint),
-                    shown(&end.value),
-                    remedy
-                        .as_deref()
-                        .unwrap_or("; add the link or correct the name")
-                ),
+                line,
+                format!("{joint}: {what} link {end} does not exist{remedy}"),
             );
         }
         found
     };
     (draft.joints.iter())
         .map(|joint| {
-            let parent = find(joint, &joint.parent, "parent");
-            let child = find(joint, &joint.child, "child");
+            let parent = find(joint, &joint.found.parent, joint.ends[0], "parent");
+            let child = find(joint, &joint.found.child, joint.ends[1], "child");
             Some(Edge {
                 parent: parent?,
                 child: child?,
@@ -92,28 +87,21 @@ struct Names<'a> {
 }
 
 impl<'a> Names<'a> {
-    fn of(
-        items: impl Iterator<Item = (Option<&'a str>, u32)>,
-        kind: &str,
-        report: &mut Report,
-    ) -> Self {
+    fn of(items: impl Iterator<Item = (&'a str, u32)>, kind: &str, report: &mut Report) -> Self {
         let mut index = HashMap::new();
-        let mut lines = Vec::new();
+        let mut lines: Vec<u32> = Vec::new();
         let mut whole = true;
         for (place, (name, line)) in items.enumerate() {
             lines.push(line);
-            let Some(name) = name else {
+            if name.is_empty() {
                 whole = false;
-                continue;
-            };
-            if let Some(&first) = index.get(name) {
+            } else if let Some(&first) = index.get(name) {
                 whole = false;
-                let first: u32 = lines[first];
+                let (name, first) = (shown(name), lines[first]);
                 report.complain(
                     line,
                     format!(
-                        "{kind} {} is defined twice, in lines {first} and {line}; rename one",
-                        shown(name)
+                        "{kind} {name} is defined twice, in lines {first} and {line}; rename one"
                     ),
                 );
             } else {
@@ -125,32 +113,15 @@ impl<'a> Names<'a> {
 }
 
 pub(super) fn subject(joint: &JointDraft) -> String {
-    match joint.name.as_deref() {
-        Some(name) => format!("joint {}", shown(name)),
-        None => "joint".to_owned(),
-    }
-}
-
-fn check_mass(draft: &Draft, report: &mut Report) {
-    let mut total_kg = 0.0;
-    for link in &draft.links {
-        match link.inertial {
-            Some(inertial) => total_kg += inertial.mass_kg,
-            // Complained about.
-            None => return,
-        }
-    }
-    if total_kg == 0.0 {
-        report.complain(
-            draft.line,
-            "no link has a mass, so there is no centre of mass; add <inertial><mass value=\"...\"/>",
-        );
+    match joint.found.name.as_str() {
+        "" => "joint".to_owned(),
+        name => format!("joint {}", shown(name)),
     }
 }
 
 /// Every link but one has one parent, and none descends from itself.
 fn check_tree(draft: &Draft, edges: &[Option<Edge>], whole: bool, report: &mut Report) {
-    let link_name = |link: usize| shown(draft.links[link].name.as_deref().unwrap_or_default());
+    let link_name = |link: usize| shown(&draft.links[link].found.name);
     let mut below: Vec<Vec<usize>> = vec![Vec::new(); draft.links.len()];
     let mut above: Vec<Vec<usize>> = vec![Vec::new(); draft.links.len()];
     for (joint, edge) in edges.iter().enumerate() {
@@ -177,19 +148,12 @@ fn check_tree(draft: &Draft, edges: &[Option<Edge>], whole: bool, report: &mut R
     }
     for (link, joints) in above.iter().enumerate() {
         let closes = |joint: &usize| closing.iter().any(|(other, _)| other == joint);
-        let parents: Vec<usize> = match closing.is_empty() || joints.len() < 2 {
-            true => joints.clone(),
-            false => joints
-                .iter()
-                .copied()
-                .filter(|joint| !closes(joint))
-                .collect(),
-        };
+        let open = joints.iter().copied().filter(|joint| !closes(joint));
+        let parents: Vec<usize> = open.collect();
         if let [_, second, ..] = parents[..] {
             let shown_joint = |&joint: &usize| {
                 let joint = &draft.joints[joint];
-                let name = shown(joint.name.as_deref().unwrap_or_default());
-                format!("{name} (line {})", joint.line)
+                format!("{} (line {})", shown(&joint.found.name), joint.line)
             };
             report.complain(
                 draft.joints[second].line,

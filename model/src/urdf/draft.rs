@@ -33,6 +33,7 @@ pub(super) fn draft(
         text,
         lines,
         report,
+        subject: "robot".to_owned(),
     };
     let line = reader.line(root);
     let mut draft = Draft {
@@ -43,7 +44,7 @@ pub(super) fn draft(
     };
     if tag(root) != "robot" {
         let found = shown(reader.tag(root));
-        reader.complain(
+        reader.report.complain(
             line,
             match tag(root) {
                 "mujoco" => "this is MJCF, MuJoCo's format; give the URDF that it was made from, \
@@ -64,7 +65,7 @@ pub(super) fn draft(
     }
     let name = reader.attribute(root, "name");
     if let Some(text) = &name {
-        draft.name = reader.name(text, "robot", "name").unwrap_or_default();
+        draft.name = reader.name(text, "name");
     }
     let version = read_version(&mut reader, root);
 
@@ -78,11 +79,8 @@ pub(super) fn draft(
                 draft.joints.push(read_joint(&mut reader, child, version));
             }
             kind @ ("link" | "joint") => {
-                let line = reader.line(child);
-                reader.complain(
-                    line,
-                    format!("more than {} {kind}s; this is no robot", limits::LINKS),
-                );
+                let message = format!("more than {} {kind}s; this is no robot", limits::LINKS);
+                reader.report.complain(reader.line(child), message);
                 break;
             }
             _ => {
@@ -108,22 +106,16 @@ pub(super) fn draft(
             return draft;
         }
         let found = shown(reader.tag(node));
-        reader.note(
-            line,
-            format!("{found}: a leftover of xacro, ignored with all such"),
-        );
+        let message = format!("{found}: a leftover of xacro, ignored with all such");
+        reader.report.note(line, message);
     }
     if draft.links.is_empty() {
-        reader.complain(
-            line,
-            "the robot has no link; put <link name=\"...\"> directly under <robot>".to_owned(),
-        );
+        let message = "the robot has no link; put <link name=\"...\"> directly under <robot>";
+        reader.report.complain(line, message);
     }
     if name.is_none() {
-        reader.complain(
-            line,
-            "the robot has no name; add <robot name=\"...\">".to_owned(),
-        );
+        let message = "the robot has no name; add <robot name=\"...\">";
+        reader.report.complain(line, message);
     }
     draft
 }
@@ -134,10 +126,8 @@ fn read_version(reader: &mut Reader<'_>, root: roxmltree::Node<'_, '_>) -> Versi
     };
     Version::parse(text.value).unwrap_or_else(|| {
         let found = shown(text.value);
-        reader.note(
-            text.line,
-            format!("version {found} is no URDF version; read as 1.0"),
-        );
+        let message = format!("version {found} is no URDF version; read as 1.0");
+        reader.report.note(text.line, message);
         Version::OLDEST
     })
 }

@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use super::check::subject;
 use super::description::JointType;
 use super::draft::Draft;
+use super::joint::JointDraft;
 use super::limits;
-use super::nearest::{SUGGESTIONS, suggest};
+use super::nearest::Suggestions;
 use super::report::{Report, chained, shown};
 
 pub(super) fn check(draft: &Draft, report: &mut Report) {
@@ -16,62 +17,42 @@ pub(super) fn check(draft: &Draft, report: &mut Report) {
     let joints = &draft.joints;
     let mut index: HashMap<&str, usize> = HashMap::new();
     for (place, joint) in joints.iter().enumerate() {
-        if let Some(name) = joint.name.as_deref() {
-            index.entry(name).or_insert(place);
-        }
+        index.entry(&joint.found.name).or_insert(place);
     }
-    let masters: Vec<Option<usize>> = (joints.iter())
-        .map(|joint| {
-            index
-                .get(joint.mimic.as_ref()?.joint.value.as_str())
-                .copied()
-        })
-        .collect();
+    let master = |joint: &JointDraft| {
+        let mimic = joint.found.mimic.as_ref()?;
+        index.get(mimic.joint.as_str()).copied()
+    };
+    let masters: Vec<Option<usize>> = joints.iter().map(master).collect();
 
-    let mut wrong = 0;
+    let mut suggestions = Suggestions::default();
     for (joint, master) in joints.iter().zip(&masters) {
-        let Some(mimic) = &joint.mimic else { continue };
-        let found = match master.map(|master| joints[master].kind) {
+        let Some(mimic) = &joint.found.mimic else {
+            continue;
+        };
+        let (own, followed) = (subject(joint), shown(&mimic.joint));
+        let found = match master.map(|master| joints[master].found.joint_type) {
             None => {
-                wrong += 1;
-                let others = joints.iter().filter_map(|joint| joint.name.as_deref());
-                let owner = joint.name.as_deref().unwrap_or_default();
+                let owner = joint.found.name.as_str();
+                let others = joints.iter().map(|joint| joint.found.name.as_str());
                 let others = others.filter(|name| *name != owner);
-                let remedy = (wrong <= SUGGESTIONS)
-                    .then(|| suggest(&mimic.joint.value, owner, others))
-                    .flatten();
-                let remedy = remedy.as_deref();
-                format!(
-                    "which does not exist{}",
-                    remedy.unwrap_or("; name a joint or remove <mimic>")
-                )
+                let otherwise = "; name a joint or remove <mimic>";
+                let remedy = suggestions.remedy(&mimic.joint, owner, others, otherwise);
+                format!("which does not exist{remedy}")
             }
             // Reduced robots fix a master and leave its followers: they stand still.
-            Some(Some(JointType::Fixed)) => {
-                report.note(
-                    mimic.joint.line,
-                    format!(
-                        "{}: mimics {}, which is fixed; it stands still at its offset",
-                        subject(joint),
-                        shown(&mimic.joint.value)
-                    ),
-                );
+            Some(JointType::Fixed) => {
+                let means = "which is fixed; it stands still at its offset";
+                report.note(joint.mimics, format!("{own}: mimics {followed}, {means}"));
                 continue;
             }
-            Some(Some(kind)) if !kind.is_single() => format!(
+            Some(kind) if !kind.is_single() => format!(
                 "which is {} and has several coordinates; name another joint",
                 kind.name()
             ),
-            _ => continue,
+            Some(_) => continue,
         };
-        report.complain(
-            mimic.joint.line,
-            format!(
-                "{}: mimics {}, {found}",
-                subject(joint),
-                shown(&mimic.joint.value)
-            ),
-        );
+        report.complain(joint.mimics, format!("{own}: mimics {followed}, {found}"));
     }
     let cycles = cycles(&masters);
     if cycles.is_empty() {
@@ -79,16 +60,10 @@ pub(super) fn check(draft: &Draft, report: &mut Report) {
     }
     for cycle in cycles {
         let joint = &joints[cycle[0]];
-        let line = joint
-            .mimic
-            .as_ref()
-            .map_or(joint.line, |mimic| mimic.joint.line);
-        let names = cycle
-            .iter()
-            .chain([&cycle[0]])
-            .map(|&joint| shown(joints[joint].name.as_deref().unwrap_or_default()));
+        let round = cycle.iter().chain([&cycle[0]]);
+        let names = round.map(|&joint| shown(&joints[joint].found.name));
         report.complain(
-            line,
+            joint.mimics,
             format!(
                 "{}: mimics itself: {}; let one of them move on its own",
                 subject(joint),
@@ -116,14 +91,14 @@ fn far(draft: &Draft, masters: &[Option<usize>], report: &mut Report) {
         for joint in path.into_iter().rev() {
             let of = |master: usize| ties[master].unwrap_or((1.0, 0.0));
             let (factor, offset) = masters[joint].map_or((1.0, 0.0), of);
-            let Some(mimic) = &joints[joint].mimic else {
+            let Some(mimic) = &joints[joint].found.mimic else {
                 ties[joint] = Some((1.0, 0.0));
                 continue;
             };
             let factor = mimic.multiplier * factor;
             let offset = mimic.multiplier * offset + mimic.offset;
-            let most = match joints[joint].kind {
-                Some(JointType::Prismatic) => limits::MIMIC_M,
+            let most = match joints[joint].found.joint_type {
+                JointType::Prismatic => limits::MIMIC_M,
                 _ => limits::MIMIC,
             };
             let is_far = |x: f64| x.is_nan() || x.abs() > most;
@@ -132,10 +107,10 @@ fn far(draft: &Draft, masters: &[Option<usize>], report: &mut Report) {
                     "{}: follows {} by a factor of {factor:e} and an offset of {offset:e}; no \
                      gear does, give at most {:e}",
                     subject(&joints[joint]),
-                    shown(&mimic.joint.value),
+                    shown(&mimic.joint),
                     most
                 );
-                report.complain(mimic.joint.line, message);
+                report.complain(joints[joint].mimics, message);
                 // What follows in turn is not to blame.
                 ties[joint] = Some((1.0, 0.0));
                 continue;

@@ -20,7 +20,6 @@ mod edits;
 mod error;
 mod extent;
 mod joint;
-mod joint_limit;
 #[doc(hidden)]
 pub mod limits;
 mod link;
@@ -127,8 +126,8 @@ pub fn parse(text: &str, file: &str) -> Result<Description, Error> {
     let notes = report.finish()?;
     let mut robot = Description {
         name: draft.name,
-        links: draft.links.into_iter().map(Into::into).collect(),
-        joints: draft.joints.into_iter().map(Into::into).collect(),
+        links: draft.links.into_iter().map(|link| link.found).collect(),
+        joints: draft.joints.into_iter().map(|joint| joint.found).collect(),
         notes,
         hash: hash(source.text),
         file: file.to_owned(),

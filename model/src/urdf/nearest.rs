@@ -5,7 +5,26 @@ use crate::spelling::nearest;
 
 /// Comparing every wrong name with every right one takes time; after this many
 /// the rest go without a suggestion.
-pub(super) const SUGGESTIONS: usize = 20;
+const MOST: usize = 20;
+
+/// Suggestions for one wrong name after the other.
+#[derive(Default)]
+pub(super) struct Suggestions(usize);
+
+impl Suggestions {
+    /// The end of a message about the next wrong name, which `owner` refers to.
+    pub(super) fn remedy<'a>(
+        &mut self,
+        wrong: &str,
+        owner: &str,
+        names: impl Iterator<Item = &'a str>,
+        otherwise: &str,
+    ) -> String {
+        self.0 += 1;
+        let names = names.filter(|_| self.0 <= MOST);
+        suggest(wrong, owner, names).unwrap_or_else(|| otherwise.to_string())
+    }
+}
 
 /// `; did you mean `elbow`?`, or none when no name is close. Among equals
 /// the one wins that starts like `owner`, whose reference it is.

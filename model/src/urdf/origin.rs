@@ -27,62 +27,48 @@ pub(super) fn read_origin(
     reader: &mut Reader<'_>,
     parent: Node<'_, '_>,
     version: Version,
-    subject: &str,
     what: &str,
 ) -> Origin {
-    let Some(node) = reader.only(parent, "origin", subject) else {
-        return Origin::default();
-    };
     let mut origin = Origin::default();
+    let Some(node) = reader.only(parent, "origin") else {
+        return origin;
+    };
     if let Some(text) = reader.attribute(node, "xyz") {
         let what = format!("{what} xyz");
-        origin.xyz = reader.numbers(&text, subject, &what).unwrap_or_default();
+        origin.xyz = reader.numbers(&text, &what).unwrap_or_default();
         if let Some(far) = origin.xyz.iter().find(|v| v.abs() > limits::OFFSET_M) {
-            reader.complain(
-                text.line,
-                format!("{subject}: {what} holds {far:e} m; no robot is that large, give it in m"),
-            );
+            let message = format!("{what} holds {far:e} m; no robot is that large, give it in m");
+            reader.complain(text.line, message);
         }
     }
     let rpy = reader.attribute(node, "rpy");
     if let Some(text) = &rpy {
         let what = format!("{what} rpy");
-        origin.rpy = reader.numbers(text, subject, &what).unwrap_or_default();
+        origin.rpy = reader.numbers(text, &what).unwrap_or_default();
         if let Some(angle) = origin.rpy.iter().find(|v| v.abs() > limits::TURNS_RAD) {
-            reader.complain(
-                text.line,
-                format!(
-                    "{subject}: {what} holds {angle:e} rad; an angle beyond 2^20 rad means \
-                     nothing, reduce it by whole turns"
-                ),
+            let message = format!(
+                "{what} holds {angle:e} rad; an angle beyond 2^20 rad means nothing, reduce it by \
+                 whole turns"
             );
+            reader.complain(text.line, message);
         } else if let Some(angle) = origin.rpy.iter().find(|v| v.abs() > limits::ANGLE_RAD) {
-            reader.note(
-                text.line,
-                format!("{subject}: {what} holds {angle} rad; is it in degrees?"),
-            );
+            let message = format!("{what} holds {angle} rad; is it in degrees?");
+            reader.note(text.line, message);
         }
     }
     if let Some(text) = reader.attribute(node, "quat_xyzw") {
         let what = format!("{what} quat_xyzw");
         if version < Version::QUATERNIONS {
-            reader.note(
-                text.line,
-                format!("{subject}: {what} is ignored before <robot version=\"1.1\">"),
-            );
+            let message = format!("{what} is ignored before <robot version=\"1.1\">");
+            reader.note(text.line, message);
         } else if rpy.is_some() {
-            reader.complain(
-                text.line,
-                format!("{subject}: {what} and rpy are both given; keep one"),
-            );
-        } else if let Some(quaternion) = reader.numbers(&text, subject, &what) {
-            match rpy_of_quaternion(quaternion) {
-                Some(rpy) => origin.rpy = rpy,
-                None => reader.complain(
-                    text.line,
-                    format!("{subject}: {what} is zero; write 0 0 0 1 for no rotation"),
-                ),
-            }
+            let message = format!("{what} and rpy are both given; keep one");
+            reader.complain(text.line, message);
+        } else if let Some(quaternion) = reader.numbers(&text, &what) {
+            let message = format!("{what} is zero; write 0 0 0 1 for no rotation");
+            let rpy = rpy_of_quaternion(quaternion);
+            let rpy = rpy.or_else(|| reader.refuse(text.line, message));
+            origin.rpy = rpy.unwrap_or(origin.rpy);
         }
     }
     origin

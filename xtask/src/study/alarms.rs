@@ -169,8 +169,11 @@ impl Drawn {
         );
         Ok(Answer {
             cells: vec![
-                Cell::is(alarm),
-                Cell::Share(hold * usize::from(enough), all * usize::from(enough)),
+                ("a verdict but none", Cell::is(alarm)),
+                (
+                    "intervals hold",
+                    Cell::Share(hold * usize::from(enough), all * usize::from(enough)),
+                ),
             ],
             note: (alarm || enough && 10 * hold < 8 * all).then_some(note),
         })
@@ -189,12 +192,8 @@ pub(super) fn fast_plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
 fn drawn<'a>(asked: &'a Asked<'_>, fast: bool) -> Plan<'a> {
     let cases = asked.seeds().map(|seed| {
         let groups = Drawn::new(seed, fast).groups();
-        Case {
-            rows: (0..)
-                .zip(std::iter::once("all".to_owned()).chain(groups))
-                .collect(),
-            ask: Box::new(move || Drawn::new(seed, fast).ask(seed)),
-        }
+        let rows = (0..).zip(std::iter::once("all".to_owned()).chain(groups));
+        Case::new(rows.collect(), move || Drawn::new(seed, fast).ask(seed))
     });
     Plan {
         about: if fast {
@@ -208,7 +207,6 @@ fn drawn<'a>(asked: &'a Asked<'_>, fast: bool) -> Plan<'a> {
              --prior tight` that are not `none`, and 95 % intervals of `fit --prior free` that hold \
              the truth, where a log is worth 1.5 times as many readings as there are parameters."
         },
-        columns: &["a verdict but none", "intervals hold"],
         cases: cases.collect(),
     }
 }

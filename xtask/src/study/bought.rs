@@ -39,22 +39,19 @@ fn draw(i: usize, seed: u64) -> Trial {
 }
 
 fn counted(found: &Found, sound: bool) -> Answer {
-    let share = |holds: bool| Cell::Share(usize::from(!sound && holds), usize::from(!sound));
+    let share = |holds: bool| Cell::of(!sound, holds);
     let absorbed = !found.listed && !found.beside && !found.wrong;
     let note = format!("{}: {} (CoM {:.3})", found.log, found.said, found.ratio);
     Answer {
         cells: vec![
-            share(found.alone),
-            share(found.listed),
-            share(found.beside),
-            share(found.wrong),
-            share(absorbed),
-            Cell::Share(
-                usize::from(sound && !found.wrong && !found.beside),
-                usize::from(sound),
-            ),
-            Cell::is(found.agrees),
-            Cell::Median(found.ratio),
+            ("alone", share(found.alone)),
+            ("listed", share(found.listed)),
+            ("beside", share(found.beside)),
+            ("wrong", share(found.wrong)),
+            ("absorbed", share(absorbed)),
+            ("silent", Cell::of(sound, !found.wrong && !found.beside)),
+            ("file", Cell::is(found.agrees)),
+            ("CoM", Cell::Median(found.ratio)),
         ],
         note: (found.wrong || found.beside || !found.agrees || !found.listed).then_some(note),
     }
@@ -65,21 +62,17 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
         [false, true].map(|healthy| {
             let trial = draw(k, asked.seed);
             let sound = trial.hidden.is_empty();
-            let name = if healthy {
-                (1, "with a healthy log")
-            } else {
-                (0, "without")
-            };
-            let mut rows = vec![(name.0, name.1.to_owned())];
+            let group = usize::from(healthy);
+            let name = ["without", "with a healthy log"][group];
+            let mut rows = vec![(group, name.to_owned())];
             let effect = trial.hidden.first().map(|hidden| hidden.effect);
             if let Some(k) = effect.and_then(|own| EFFECTS.iter().position(|e| *e == own)) {
-                let row = 10 + 100 * usize::from(healthy) + k;
-                rows.push((row, format!("{}: {}", name.1, EFFECTS[k].name())));
+                let row = 10 + 100 * group + k;
+                rows.push((row, format!("{name}: {}", EFFECTS[k].name())));
             }
-            Case {
-                rows,
-                ask: Box::new(move || Ok(counted(&examine(&trial, healthy, asked.folder)?, sound))),
-            }
+            Case::new(rows, move || {
+                Ok(counted(&examine(&trial, healthy, asked.folder)?, sound))
+            })
         })
     });
     Plan {
@@ -93,9 +86,6 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                 the diagnosis lists as left out (outliers, and where only the log knows on which side \
                 of its dead band a joint rests). CoM: error of the written model over \
                 CAD's on 200 new postures, median.",
-        columns: &[
-            "alone", "listed", "beside", "wrong", "absorbed", "silent", "file", "CoM",
-        ],
         cases: cases.collect(),
     }
 }

@@ -38,28 +38,22 @@ fn rows(trial: &Trial) -> Vec<(usize, String)> {
         [one] => Effect::BODY.iter().position(|effect| *effect == one.effect),
         _ => None,
     };
-    let mut rows: Vec<(usize, String)> = single
-        .map(|k| (k, Effect::BODY[k].name().to_owned()))
-        .into_iter()
-        .collect();
-    let pairs = if trial.hidden.len() == 1 {
-        (100, "one effect")
-    } else {
-        (101, "two effects")
+    let single = single.map(|k| (k, Effect::BODY[k].name()));
+    let count = match trial.hidden.len() {
+        1 => (100, "one effect"),
+        _ => (101, "two effects"),
     };
     let robot = match trial.stage.platform {
         Platform::Op2 => (102, "OP2"),
         _ => (103, "humanoid"),
     };
-    let more = [pairs, robot, (104, "all")].map(|(k, name)| (k, name.to_owned()));
-    rows.extend(more);
-    rows
+    let rows = single.into_iter().chain([count, robot, (104, "all")]);
+    rows.map(|(k, name)| (k, name.to_owned())).collect()
 }
 
 /// What is counted of a log: only where the effect moves the CoM by more than [`MOVED_M`].
 fn counted(found: &Corrected) -> Answer {
     let moved = found.before_m > MOVED_M;
-    let share = |of: bool, holds: bool| Cell::Share(usize::from(of && holds), usize::from(of));
     let listed = moved && found.listed;
     let number = |value: f64| if listed { value } else { f64::NAN };
     let small = found.ratio() < GOAL;
@@ -73,13 +67,16 @@ fn counted(found: &Corrected) -> Answer {
     );
     Answer {
         cells: vec![
-            share(moved, found.named),
-            share(moved && found.named, small),
-            share(moved, found.listed),
-            share(listed, small),
-            Cell::Median(number(found.ratio())),
-            Cell::Median(number(1e3 * found.before_m)),
-            Cell::Median(number(1e3 * found.after_m)),
+            ("named", Cell::of(moved, found.named)),
+            ("named, < 0.25", Cell::of(moved && found.named, small)),
+            ("listed", Cell::of(moved, found.listed)),
+            ("listed, < 0.25", Cell::of(listed, small)),
+            ("ratio, median", Cell::Median(number(found.ratio()))),
+            (
+                "CoM error of CAD, mm",
+                Cell::Median(number(1e3 * found.before_m)),
+            ),
+            ("diagnosed, mm", Cell::Median(number(1e3 * found.after_m))),
         ],
         note: (moved && !(found.listed && small)).then_some(note),
     }
@@ -88,10 +85,9 @@ fn counted(found: &Corrected) -> Answer {
 pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
     let cases = (0..asked.logs as usize).map(|k| {
         let trial = draw(k, asked.seed);
-        Case {
-            rows: rows(&trial),
-            ask: Box::new(move || Ok(counted(&examine(&trial, asked.folder)?))),
-        }
+        Case::new(rows(&trial), move || {
+            Ok(counted(&examine(&trial, asked.folder)?))
+        })
     });
     Plan {
         about: "Effects of the body are hidden in virtual robots, from barely visible to as large as they \
@@ -101,15 +97,6 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                 and the first explanation is what was hidden, on the right target; listed: what was \
                 hidden is that or of the class. Ratios are the CoM error of the diagnosed model over \
                 CAD's, of listed logs; errors are medians of these.",
-        columns: &[
-            "named",
-            "of these < 0.25",
-            "listed",
-            "of these < 0.25",
-            "ratio, median",
-            "CoM error of CAD, mm",
-            "diagnosed, mm",
-        ],
         cases: cases.collect(),
     }
 }

@@ -26,6 +26,11 @@ const DAYS: usize = 7;
 const IN_BATCH: usize = 8;
 /// One fleet with faults for so many sound ones.
 const SOUND: u64 = 7;
+/// Columns of false alarms.
+const OTHERS: &str = "others in shared effects";
+const OTHER_CHANGES: &str = "other changes";
+const OTHER_ROWS: &str = "rows that name something else";
+const OTHER_ROBOTS: &str = "others to look at";
 
 fn look(fleet: &Fleet) -> Result<(Found, Summary), Failure> {
     let folder = tempfile::tempdir()?;
@@ -105,25 +110,30 @@ fn with_faults(seed: u64) -> Result<Answer, Failure> {
     let changed = [fleet.drifts, fleet.urdf].into_iter().flatten();
     known.extend(changed.map(|(robot, _)| name(robot)));
     known.extend(fleet.truncated.iter().map(|(robot, _)| name(*robot)));
-    let first = summary.look_first.iter();
-    let share = |count: usize, of: usize| Cell::Share(count, of);
+    let others = summary.look_first.iter();
+    let others = others.filter(|robot| !known.contains(*robot)).count();
+    let other_changes = summary.changes.len() - drifts.len() - urdfs;
+    let other_rows = rows.filter(|row| names_more(row, &fleet)).count();
     Ok(Answer {
         cells: vec![
-            share(in_batch, fleet.batch.len()),
-            share(in_groups - in_batch, in_groups),
-            Cell::is(drifts.iter().eq(from.iter())),
-            Cell::is(urdfs == 1),
-            share(changes().count() - drifts.len() - urdfs, changes().count()),
-            Cell::is(stuck.into_iter().eq(stuck_robot.as_deref())),
-            share(found.failed.len(), fleet.truncated.len()),
-            share(
-                rows.filter(|row| names_more(row, &fleet)).count(),
-                found.rows.len(),
+            ("batch found", Cell::Share(in_batch, fleet.batch.len())),
+            (OTHERS, Cell::Share(in_groups - in_batch, in_groups)),
+            ("drift on its day", Cell::is(drifts.iter().eq(from.iter()))),
+            ("URDF told", Cell::is(urdfs == 1)),
+            (
+                OTHER_CHANGES,
+                Cell::Share(other_changes, summary.changes.len()),
             ),
-            share(
-                first.filter(|robot| !known.contains(*robot)).count(),
-                summary.look_first.len(),
+            (
+                "stuck encoder",
+                Cell::is(stuck.into_iter().eq(stuck_robot.as_deref())),
             ),
+            (
+                "cut logs",
+                Cell::Share(found.failed.len(), fleet.truncated.len()),
+            ),
+            (OTHER_ROWS, Cell::Share(other_rows, found.rows.len())),
+            (OTHER_ROBOTS, Cell::Share(others, summary.look_first.len())),
         ],
         note: None,
     })
@@ -133,19 +143,13 @@ fn with_faults(seed: u64) -> Result<Answer, Failure> {
 fn sound(seed: u64) -> Result<Answer, Failure> {
     let (found, summary) = look(&Fleet::sound(ROBOTS, DAYS, seed))?;
     let quiet = |row: &&Row| matches!(row.verdict, Some(Verdict::None | Verdict::Absorbed));
-    let none = Cell::Share(0, 0);
     let named = found.rows.len() - found.rows.iter().filter(quiet).count();
     Ok(Answer {
         cells: vec![
-            none,
-            Cell::is(!summary.shared.is_empty()),
-            none,
-            none,
-            Cell::is(!summary.changes.is_empty()),
-            none,
-            none,
-            Cell::Share(named, found.rows.len()),
-            Cell::Share(summary.look_first.len(), ROBOTS),
+            (OTHERS, Cell::is(!summary.shared.is_empty())),
+            (OTHER_CHANGES, Cell::is(!summary.changes.is_empty())),
+            (OTHER_ROWS, Cell::Share(named, found.rows.len())),
+            (OTHER_ROBOTS, Cell::Share(summary.look_first.len(), ROBOTS)),
         ],
         note: summary.shared.first().map(|shared| shared.sentence.clone()),
     })
@@ -266,7 +270,10 @@ fn batches((number, fault): (usize, &Hidden), bodies: bool) -> Result<Answer, Fa
         }
     }
     Ok(Answer {
-        cells: vec![Cell::Share(found, fleets), Cell::Share(others, groups)],
+        cells: vec![
+            ("batch found", Cell::Share(found, fleets)),
+            (OTHERS, Cell::Share(others, groups)),
+        ],
         note: Some(missed)
             .filter(|missed| !missed.is_empty())
             .map(|missed| {
@@ -295,40 +302,33 @@ fn alarms(seeds: std::ops::Range<u64>, bodies: bool) -> Result<Answer, Failure> 
         }
     }
     Ok(Answer {
-        cells: vec![Cell::Share(0, 0), Cell::Share(alarms, count)],
+        cells: vec![(OTHERS, Cell::Share(alarms, count))],
         note: Some(said).filter(|said| !said.is_empty()),
     })
 }
 
 pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
-    let faulty = (0..asked.logs.div_ceil(SOUND)).map(|k| Case {
-        rows: vec![(0, "with faults".to_owned())],
-        ask: Box::new(move || with_faults(asked.seed + k)),
+    let row = |k: usize, name: String| vec![(k, name)];
+    let faulty = (0..asked.logs.div_ceil(SOUND)).map(|k| {
+        let rows = row(0, "with faults".to_owned());
+        Case::new(rows, move || with_faults(asked.seed + k))
     });
-    let quiet = asked.seeds().map(|seed| Case {
-        rows: vec![(1, "nothing hidden".to_owned())],
-        ask: Box::new(move || sound(1000 + seed)),
+    let quiet = asked.seeds().map(|seed| {
+        let rows = row(1, "nothing hidden".to_owned());
+        Case::new(rows, move || sound(1000 + seed))
     });
-    let both = || [false, true].into_iter();
-    let batched = both().flat_map(|bodies| {
-        let faults = faults().into_iter().enumerate();
-        faults.map(move |(number, fault)| Case {
-            rows: vec![(
-                2,
-                format!(
-                    "batches of {} {:.3?}{}",
-                    fault.label(),
-                    fault.values,
-                    own(bodies)
-                ),
-            )],
-            ask: Box::new(move || batches((number, &fault), bodies)),
-        })
-    });
-    let put_together = both().map(|bodies| Case {
-        rows: vec![(3, format!("200 sound fleets{}", own(bodies)))],
-        ask: Box::new(move || alarms(0..200, bodies)),
-    });
+    let mut cases: Vec<Case> = faulty.chain(quiet).collect();
+    for bodies in [false, true] {
+        for (number, fault) in faults().into_iter().enumerate() {
+            let (label, own) = (fault.label(), own(bodies));
+            let rows = row(2, format!("batches of {label} {:.3?}{own}", fault.values));
+            cases.push(Case::new(rows, move || batches((number, &fault), bodies)));
+        }
+    }
+    for bodies in [false, true] {
+        let rows = row(3, format!("200 sound fleets{}", own(bodies)));
+        cases.push(Case::new(rows, move || alarms(0..200, bodies)));
+    }
     Plan {
         about: "Virtual OP2s, 60 postures a day, 0.1 mm of noise on each. With faults: of 60 robots on 7 days \
                 eight share an offset of l_hip_roll (0.035 rad), one drifts in r_ank_pitch (0.012 rad a \
@@ -340,21 +340,6 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                 from robot to robot by 10 %, centres of mass by 5 mm an axis; offsets of joints and \
                 unknown masses are then known no better than bodies imitate them (an offset of l_knee: \
                 0.8° RMS), and batches of less than about four times that are not found.",
-        columns: &[
-            "batch found",
-            "others in shared effects",
-            "drift on its day",
-            "URDF told",
-            "other changes",
-            "stuck encoder",
-            "cut logs",
-            "rows that name something else",
-            "others to look at",
-        ],
-        cases: faulty
-            .chain(quiet)
-            .chain(batched)
-            .chain(put_together)
-            .collect(),
+        cases,
     }
 }

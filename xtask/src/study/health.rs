@@ -45,8 +45,7 @@ const TRIES: usize = 60;
 const DIAGNOSED: u64 = 2;
 
 /// Whether a healthy log has a finding.
-fn healthy(sheet: Result<Sheet, Failure>, number: u64) -> Result<Answer, Failure> {
-    let sheet = sheet?;
+fn healthy(sheet: &Sheet, number: u64) -> Result<Answer, Failure> {
     let robot = Arc::new(Robot::read(&sheet.stage.urdf)?);
     let (log, support) = (sheet.log(), sheet.stage.support);
     let [diagnosed, looked_at] = looks(&robot, &log, support, None)?;
@@ -56,7 +55,10 @@ fn healthy(sheet: Result<Sheet, Failure>, number: u64) -> Result<Answer, Failure
     let found = seen.each_ref().map(|all| names(all));
     let note = format!("healthy log {number}: {found:?} ({})", sheet.about);
     Ok(Answer {
-        cells: vec![Cell::Share(0, 0), Cell::is(any)],
+        cells: vec![
+            ("recognised", Cell::Share(0, 0)),
+            ("another finding", Cell::is(any)),
+        ],
         note: any.then_some(note),
     })
 }
@@ -111,9 +113,9 @@ fn broken(
     let count = count as usize;
     Ok(Answer {
         cells: vec![
-            Cell::Share(found, count),
-            Cell::Share(beside, count),
-            Cell::Share(named_beside.0, named_beside.1),
+            ("recognised", Cell::Share(found, count)),
+            ("another finding", Cell::Share(beside, count)),
+            ("named beside", Cell::Share(named_beside.0, named_beside.1)),
         ],
         note: (!notes.is_empty()).then(|| notes.join("\n")),
     })
@@ -130,31 +132,28 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
         let questions = survey::questions(count as usize, &choice);
         for (k, question) in (0..count).zip(questions) {
             let (seed, choice) = (asked.seed + k, choice.clone());
-            cases.push(Case {
-                rows: vec![(2 * row, format!("healthy, with hidden effects{how}"))],
-                ask: Box::new(move || {
-                    let trial = Trial::draw(question, &choice, seed);
-                    healthy(Sheet::of_trial(&trial, asked.folder), seed)
-                }),
-            });
+            let rows = vec![(2 * row, format!("healthy, with hidden effects{how}"))];
+            cases.push(Case::new(rows, move || {
+                let trial = Trial::draw(question, &choice, seed);
+                healthy(&Sheet::of_trial(&trial, asked.folder)?, seed)
+            }));
             let platform = ROBOTS[k as usize % ROBOTS.len()].0;
-            cases.push(Case {
-                rows: vec![(2 * row + 1, format!("healthy recordings{how}"))],
-                ask: Box::new(move || healthy(Ok(Sheet::moving(platform, held, seed)), seed)),
-            });
+            let rows = vec![(2 * row + 1, format!("healthy recordings{how}"))];
+            cases.push(Case::new(rows, move || {
+                healthy(&Sheet::moving(platform, held, seed), seed)
+            }));
         }
     }
     for (k, device) in DEVICES.into_iter().enumerate() {
         let what = device.1;
         for (moves, how) in SOURCES {
             for (platform, name) in ROBOTS {
-                cases.push(Case {
-                    rows: vec![
-                        (10 + 10 * k, format!("{what}, {name}, {how}")),
-                        (11 + 10 * k, format!("{what}, all")),
-                    ],
-                    ask: Box::new(move || broken(device, (moves, platform), asked)),
-                });
+                let rows = vec![
+                    (10 + 10 * k, format!("{what}, {name}, {how}")),
+                    (11 + 10 * k, format!("{what}, all")),
+                ];
+                let ask = move || broken(device, (moves, platform), asked);
+                cases.push(Case::new(rows, ask));
             }
         }
     }
@@ -167,7 +166,6 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                 half at 10 to 100 Hz of robots whose masses are those of CAD, noise white or AR(1) \
                 of 0.1 to 1 s, stated in one of two, angles in all digits or in ticks. `logs` counts \
                 batches where a device is broken.",
-        columns: &["recognised", "another finding", "named beside"],
         cases,
     }
 }

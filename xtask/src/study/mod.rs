@@ -95,10 +95,20 @@ struct Case<'a> {
     ask: Box<dyn Fn() -> Result<Answer, Failure> + Sync + 'a>,
 }
 
-/// What is counted of a case, column by column, and what is worth a line of its own.
+impl<'a> Case<'a> {
+    fn new(
+        rows: Vec<(usize, String)>,
+        ask: impl Fn() -> Result<Answer, Failure> + Sync + 'a,
+    ) -> Case<'a> {
+        let ask = Box::new(ask);
+        Case { rows, ask }
+    }
+}
+
+/// What is counted of a case, each under its column, and what is worth a line of its own.
 #[derive(Default)]
 struct Answer {
-    cells: Vec<Cell>,
+    cells: Vec<(&'static str, Cell)>,
     note: Option<String>,
 }
 
@@ -115,12 +125,16 @@ impl Cell {
     fn is(holds: bool) -> Cell {
         Cell::Share(usize::from(holds), 1)
     }
+
+    /// Whether it holds, where that counts.
+    fn of(counts: bool, holds: bool) -> Cell {
+        Cell::Share(usize::from(counts && holds), usize::from(counts))
+    }
 }
 
-/// What the table of a scenario says, its columns and its cases.
+/// What the table of a scenario says, and its cases.
 struct Plan<'a> {
     about: &'static str,
-    columns: &'static [&'static str],
     cases: Vec<Case<'a>>,
 }
 
@@ -180,16 +194,20 @@ fn table(plan: &Plan, only: Option<&str>, jobs: usize) -> Result<String, Failure
             rows.entry(row).or_default().push(answer);
         }
     }
-    let mut text = format!("{}\n\n| | logs |", plan.about);
-    for column in plan.columns {
-        let _ = write!(text, " {column} |");
+    let mut columns: Vec<&str> = Vec::new();
+    for (column, _) in answers.iter().flat_map(|answer| &answer.cells) {
+        if !columns.contains(column) {
+            columns.push(column);
+        }
     }
-    text += &format!("\n|---|---|{}\n", "---|".repeat(plan.columns.len()));
+    let mut text = format!("{}\n\n| | logs | {} |\n", plan.about, columns.join(" | "));
+    text += &format!("|---|---|{}\n", "---|".repeat(columns.len()));
     for ((_, name), answers) in rows {
         let _ = write!(text, "| {name} | {} |", answers.len());
-        for column in 0..plan.columns.len() {
-            let cells = answers.iter().filter_map(|a| a.cells.get(column).copied());
-            let _ = write!(text, " {} |", shown(cells));
+        for column in &columns {
+            let cells = answers.iter().flat_map(|answer| &answer.cells);
+            let cells = cells.filter(|(of, _)| of == column);
+            let _ = write!(text, " {} |", shown(cells.map(|(_, cell)| *cell)));
         }
         text += "\n";
     }

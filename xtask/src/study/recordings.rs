@@ -82,36 +82,34 @@ fn kinds() -> Vec<Kept> {
 
 pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
     let cases = kinds().into_iter().enumerate().flat_map(|(k, kind)| {
-        asked.seeds().map(move |seed| Case {
-            rows: vec![(k, name(&kind))],
-            ask: Box::new(move || {
+        asked.seeds().map(move |seed| {
+            Case::new(vec![(k, name(&kind))], move || {
                 let stage = Stage::new(kind.platform);
                 let said = kind.ask(&stage, &kind.record(&stage, seed), true)?;
                 let (rows, worth) = said.samples;
                 Ok(Answer {
                     cells: vec![
-                        Cell::Median(rows as f64),
-                        Cell::Median(worth as f64),
-                        Cell::Share(said.intervals.0, said.intervals.1),
-                        Cell::Median(said.noise),
-                        Cell::is(said.verdict != Some(Verdict::None)),
+                        ("rows", Cell::Median(rows as f64)),
+                        ("worth", Cell::Median(worth as f64)),
+                        (
+                            "intervals hold",
+                            Cell::Share(said.intervals.0, said.intervals.1),
+                        ),
+                        ("noise over truth", Cell::Median(said.noise)),
+                        (
+                            "a verdict but none",
+                            Cell::is(said.verdict != Some(Verdict::None)),
+                        ),
                     ],
                     note: None,
                 })
-            }),
+            })
         })
     });
     Plan {
         about: "Rows in time of virtual robots on which nothing is hidden, with noise of 2 mm per axis \
                 that lasts: the 95 % intervals of `fit --prior free` that hold the truth, and the \
                 verdicts of `diagnose --prior tight`.",
-        columns: &[
-            "rows",
-            "worth",
-            "intervals hold",
-            "noise over truth",
-            "a verdict but none",
-        ],
         cases: cases.collect(),
     }
 }

@@ -10,21 +10,28 @@ const PLATFORMS: [(Platform, &str); 2] = [(Platform::Op2, "OP2"), (Platform::Pla
 
 fn counted(found: &Found, kind: Option<Kind>) -> Answer {
     let hidden = kind.is_some();
-    let share =
-        |holds: bool, counts: bool| Cell::Share(usize::from(holds && counts), usize::from(counts));
     let in_table = kind.is_some_and(Kind::is_in_table);
     let right = found.listed && (found.form || !in_table);
     Answer {
         cells: vec![
-            share(found.place, hidden),
-            share(found.listed, hidden),
-            share(found.form, in_table),
-            share(found.cop <= found.goal, in_table),
-            share(found.com <= found.goal, in_table && !found.com.is_nan()),
-            Cell::Median(if hidden { found.cop } else { f64::NAN }),
-            Cell::Median(if hidden { found.com } else { f64::NAN }),
-            share(found.silent, !hidden),
-            Cell::Median(found.seconds),
+            ("place", Cell::of(hidden, found.place)),
+            ("in class", Cell::of(hidden, found.listed)),
+            ("form", Cell::of(in_table, found.form)),
+            ("CoP in goal", Cell::of(in_table, found.cop <= found.goal)),
+            (
+                "CoM in goal",
+                Cell::of(in_table && !found.com.is_nan(), found.com <= found.goal),
+            ),
+            (
+                "CoP",
+                Cell::Median(if hidden { found.cop } else { f64::NAN }),
+            ),
+            (
+                "CoM",
+                Cell::Median(if hidden { found.com } else { f64::NAN }),
+            ),
+            ("silent", Cell::of(!hidden, found.silent)),
+            ("seconds", Cell::Median(found.seconds)),
         ],
         note: (!right).then(|| found.said.clone()),
     }
@@ -44,20 +51,16 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                     Some(kind) if kind.is_in_table() => (0, "in the table"),
                     Some(_) => (1, "not in the table"),
                 };
-                Case {
-                    rows: vec![
-                        (
-                            2 * group.0 + usize::from(is_bought),
-                            format!("{}, masses {masses}", group.1),
-                        ),
-                        (10 + k, format!("{name}, {robot}")),
-                    ],
-                    ask: Box::new(move || {
-                        let stage = Stage::new(platform);
-                        let found = examine(&stage, kind, is_bought, seed + 1000 * k as u64)?;
-                        Ok(counted(&found, kind))
-                    }),
-                }
+                let of_masses = format!("{}, masses {masses}", group.1);
+                let rows = vec![
+                    (2 * group.0 + usize::from(is_bought), of_masses),
+                    (10 + k, format!("{name}, {robot}")),
+                ];
+                Case::new(rows, move || {
+                    let stage = Stage::new(platform);
+                    let found = examine(&stage, kind, is_bought, seed + 1000 * k as u64)?;
+                    Ok(counted(&found, kind))
+                })
             })
         };
         PLATFORMS.into_iter().flat_map(of)
@@ -69,17 +72,6 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
                 its name, or one of the class has; gaps are of the written model over CAD's on 500 fresh \
                 postures without noise, their goal is 6 %, or 2 √(k/chi2) where that is more, k unknowns. \
                 Silent: nothing is named of a sound robot.",
-        columns: &[
-            "place",
-            "in class",
-            "form",
-            "CoP in goal",
-            "CoM in goal",
-            "CoP",
-            "CoM",
-            "silent",
-            "seconds",
-        ],
         cases: cases.collect(),
     }
 }
