@@ -12,6 +12,8 @@ use std::{fmt, io};
 /// assert_eq!(error.kind(), ErrorKind::Model);
 /// assert_eq!(error.to_string(), "no_such.urdf: no such file; give the path of a URDF");
 /// ```
+#[derive(thiserror::Error)]
+#[error(transparent)]
 pub struct Error(Box<Problem>);
 
 /// What an [`Error`] is about.
@@ -99,12 +101,13 @@ impl ErrorKind {
             ErrorKind::Name => "name",
             ErrorKind::Servos => "servos",
             ErrorKind::FixedPoint => "fixed_point",
-            ErrorKind::Lanes | ErrorKind::Functions => "request",
+            ErrorKind::Lanes
+            | ErrorKind::Functions
+            | ErrorKind::NoSupport
+            | ErrorKind::NotABuildScript => "request",
             ErrorKind::Unbounded => "unbounded",
             ErrorKind::Read => "read",
             ErrorKind::Write => "write",
-            ErrorKind::NoSupport => "request",
-            ErrorKind::NotABuildScript => "request",
             ErrorKind::Internal => "internal",
         }
     }
@@ -138,18 +141,6 @@ impl From<Problem> for Error {
 impl From<sesc_model::Error> for Error {
     fn from(error: sesc_model::Error) -> Error {
         Problem::Model(error).into()
-    }
-}
-
-impl fmt::Display for Error {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
-impl std::error::Error for Error {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        self.0.source()
     }
 }
 

@@ -1,41 +1,21 @@
 //! What generated files say of a robot: the one description that both languages print.
 
-use std::fmt;
-
 use crate::routines::{Routine, routines};
 use sesc_model::effects::{EncoderMap, Instance, foot_rectangle};
-use sesc_model::tree::{Dof, Snap};
+use sesc_model::tree::Dof;
 use sesc_model::{EffectRecord, Function, Model, ModelFile, Robot};
 
 /// A robot on its support, as generated files describe it, and its functions.
 #[derive(Debug)]
 pub struct Facts<'m> {
+    /// The robot and what a model file says of it.
+    pub model: &'m Model,
     /// Name of the robot.
     pub robot: &'m str,
-    /// File name of its URDF.
-    pub file: &'m str,
-    /// Hash of that file.
-    pub hash: &'m str,
-    /// Number of links.
-    pub links: usize,
     /// The link on the ground.
     pub support: &'m str,
-    /// The heaviest link and its x axis in the support frame with all joints at zero.
-    pub ahead: Option<(&'m str, [f64; 3])>,
     /// Independent joints, in the order of `q`.
     pub dofs: &'m [Dof],
-    /// Base parameters, in the order of `r`.
-    pub params: Vec<Param<'m>>,
-    /// Number of parameters of the full chain.
-    pub full_params: usize,
-    /// How many base parameters flat CoP rows show.
-    pub rank_cop: usize,
-    /// Right angles that were made exact.
-    pub snaps: &'m [Snap],
-    /// Total mass with the loads of the model, kg.
-    pub total_mass_kg: f64,
-    /// How far the CoM can be from the support, m.
-    pub reach_m: f64,
     /// Parameters of a model file.
     pub identified: Option<Identified>,
     /// Effects of a model file.
@@ -43,26 +23,13 @@ pub struct Facts<'m> {
     /// How what encoders read becomes joint positions, in the order of `q`.
     pub encoders: Vec<EncoderMap>,
     /// What generated functions must give.
-    pub self_test: SelfTest<'m>,
+    pub self_test: SelfTest,
     /// What the effects depend on beside q and r, with its usual value.
     pub context: Vec<(String, f64)>,
-    /// The functions that an effect acts on.
-    pub affected: Vec<Function>,
     /// Functions that were not asked for.
     pub left_out: Vec<Function>,
     /// The others.
     pub routines: Vec<Routine>,
-}
-
-/// A base parameter.
-#[derive(Debug, Clone)]
-pub struct Param<'m> {
-    /// Link and axis.
-    pub name: &'m str,
-    /// From CAD, m.
-    pub cad: f64,
-    /// Largest size that bounds hold for, m.
-    pub limit: f64,
 }
 
 /// Base parameters of a model file.
@@ -98,7 +65,8 @@ pub struct Effect<'m> {
 }
 
 /// What generated functions must give, computed in another way.
-pub struct SelfTest<'m> {
+#[derive(Debug, Clone)]
+pub struct SelfTest {
     /// A posture inside the joint limits, rad or m.
     pub posture: Vec<f64>,
     /// The CoM there with CAD parameters, m: summed body by body, unless effects move them.
@@ -111,7 +79,6 @@ pub struct SelfTest<'m> {
     pub cop: [f64; 2],
     /// The reading that the effects of the sensor make of it.
     pub reading: [f64; 2],
-    model: &'m Model,
 }
 
 /// Error of moments by differences of the summed CoM, relative to the robot's reach.
@@ -128,38 +95,29 @@ impl Facts<'_> {
         let wanted = |f: &Function| *f == Function::Com || functions.contains(f);
         let (functions, left_out): (Vec<_>, Vec<_>) = Function::ALL.into_iter().partition(wanted);
         let tree = &model.tree;
-        let params = model.base.params.iter().zip(&model.param_limits);
         Facts {
+            model,
             robot: &tree.robot,
-            file: tree.file.rsplit(['/', '\\']).next().unwrap_or_default(),
-            hash: &tree.hash,
-            links: tree.links.len(),
             support: &tree.links[tree.support].name,
-            ahead: model.heaviest_ahead(),
             dofs: &tree.dofs,
-            params: params
-                .map(|(param, limit)| Param {
-                    name: &param.name,
-                    cad: param.cad,
-                    limit: *limit,
-                })
-                .collect(),
-            full_params: model.chain.full_params,
-            rank_cop: model.base.rank_cop,
-            snaps: &tree.snaps,
-            total_mass_kg: model.total_mass_kg(),
-            reach_m: model.reach(),
             identified: model.file.as_ref().map(|file| Identified {
                 source: file.source(),
                 values: file.values(),
                 std: standard_deviations(file),
                 information: file.information.as_ref().map(|factor| factor.packed()),
             }),
-            effects: effects(model),
+            effects: model.file.as_ref().map_or_else(Vec::new, |file| {
+                let instances = model.effects.iter().map(|(instance, _)| instance);
+                let pairs = file.effects.iter().zip(instances);
+                pairs
+                    .map(|(record, instance)| effect(record, instance))
+                    .collect()
+            }),
             encoders: model.encoders(),
             self_test: SelfTest::of(model),
-            context: context(model),
-            affected: affected(model),
+            context: (model.beyond().into_iter().zip(model.about_beyond()))
+                .map(|(variable, (_, usual))| (variable.to_string(), usual))
+                .collect(),
             routines: routines(model, &functions),
             left_out,
         }
@@ -196,15 +154,16 @@ impl Facts<'_> {
         self.dofs.len()
     }
 
-    /// Base parameters from CAD, m.
-    pub fn cad_params(&self) -> Vec<f64> {
-        self.params.iter().map(|param| param.cad).collect()
+    /// Base parameters, in the order of `r`: link and axis.
+    pub fn param_names(&self) -> Vec<&str> {
+        let params = self.model.base.params.iter();
+        params.map(|param| param.name.as_str()).collect()
     }
 
     /// What effects mean for a function, where any acts on it.
     pub fn effects_sentence(&self, function: Function) -> Option<&'static str> {
-        let acted_on = self.affected.contains(&function);
-        function.effects_sentence().filter(|_| acted_on)
+        let effects = self.model.effects_of(function);
+        function.effects_sentence().filter(|_| !effects.is_empty())
     }
 
     /// Whether `cop` is more than the CoM's shadow.
@@ -217,28 +176,6 @@ fn standard_deviations(file: &ModelFile) -> Option<Vec<f64>> {
     let std = file.parameters.iter().map(|param| param.std);
     let known = std.clone().any(|std| std.is_some());
     known.then(|| std.map(|std| std.unwrap_or(f64::INFINITY)).collect())
-}
-
-fn context(model: &Model) -> Vec<(String, f64)> {
-    let about = model.about_beyond().into_iter();
-    let pairs = model.beyond().into_iter().zip(about);
-    pairs
-        .map(|(variable, (_, usual))| (variable.to_string(), usual))
-        .collect()
-}
-
-fn affected(model: &Model) -> Vec<Function> {
-    let acted_on = |function: &Function| !model.effects_of(*function).is_empty();
-    Function::ALL.into_iter().filter(acted_on).collect()
-}
-
-fn effects(model: &Model) -> Vec<Effect<'_>> {
-    let records = model.file.iter().flat_map(|file| &file.effects);
-    let instances = model.effects.iter().map(|(instance, _)| instance);
-    let pairs = records.zip(instances);
-    pairs
-        .map(|(record, instance)| effect(record, instance))
-        .collect()
 }
 
 fn effect<'m>(record: &'m EffectRecord, instance: &Instance) -> Effect<'m> {
@@ -257,8 +194,8 @@ fn effect<'m>(record: &'m EffectRecord, instance: &Instance) -> Effect<'m> {
     }
 }
 
-impl SelfTest<'_> {
-    fn of(model: &Model) -> SelfTest<'_> {
+impl SelfTest {
+    fn of(model: &Model) -> SelfTest {
         let posture = model.self_test_posture();
         let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
         // Between the cells of the foot, a little off their middle.
@@ -276,20 +213,8 @@ impl SelfTest<'_> {
             moments_error: DIFFERENCES * model.reach().max(1.0) * model.largest_tie(),
             cop,
             reading: model.reading_of(cop),
-            model,
             posture,
         }
-    }
-
-    /// The CoM of another posture, m.
-    pub fn com_at(&self, q: &[f64]) -> [f64; 3] {
-        self.model.expected_com(q)
-    }
-}
-
-impl fmt::Debug for SelfTest<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "CoM {:?} at {:?}", self.com, self.posture)
     }
 }
 

@@ -41,7 +41,7 @@ pub fn largest(facts: &Facts, routine: &Routine, bound: f64) -> Option<f64> {
             Argument::Positions => q.clone(),
             Argument::Sines => sines(facts, &q, libm::sin),
             Argument::Cosines => sines(facts, &q, libm::cos),
-            Argument::Parameters => facts.cad_params().into_iter().map(single).collect(),
+            Argument::Parameters => facts.model.cad_params().into_iter().map(single).collect(),
             _ => (ranges.iter())
                 .map(|range| uniform(range.lower, range.upper))
                 .collect(),

@@ -104,7 +104,7 @@ fn usual(facts: &Facts) -> String {
 /// # Errors
 /// When `name`, or that of robot and support, is no name of a module or too long for a file.
 pub fn rust(facts: &Facts, name: Option<&str>) -> Result<Sources, Error> {
-    let name = name.map_or_else(|| names::whole(&usual(facts)), str::to_string);
+    let name = name.map_or_else(|| names::MODULE.whole(&usual(facts)), str::to_string);
     let text = rust::module(facts, &name)?;
     Ok(Sources {
         files: vec![(PathBuf::from(format!("{name}.rs")), text)],
@@ -118,7 +118,7 @@ pub fn rust(facts: &Facts, name: Option<&str>) -> Result<Sources, Error> {
 /// Those of [`c::package`] and [`layout::files`].
 #[cfg(feature = "c99")]
 pub fn c99(facts: &Facts, name: Option<&str>, wanted: &C99) -> Result<Sources, Error> {
-    let name = name.map_or_else(|| c::whole(&usual(facts)), str::to_string);
+    let name = name.map_or_else(|| c::PREFIX.whole(&usual(facts)), str::to_string);
     let usual = match wanted.layout {
         Layout::Arduino | Layout::PlatformIo => Scalar::F32,
         Layout::Bare | Layout::Cmake => Scalar::F64,

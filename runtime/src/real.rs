@@ -117,59 +117,39 @@ pub trait Real:
     fn power(self, exponent: Self) -> Self;
 }
 
-impl Real for f64 {
-    #[inline(always)]
-    fn from_f64(x: f64) -> Self {
-        x
-    }
+macro_rules! real {
+    ($scalar:ty, $sin_cos:path, $power:path) => {
+        impl Real for $scalar {
+            #[inline(always)]
+            fn from_f64(x: f64) -> Self {
+                x as $scalar
+            }
 
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        trig::sin_cos(self)
-    }
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                $sin_cos(self)
+            }
 
-    #[inline(always)]
-    fn clamp_unit(self) -> Self {
-        self.clamp(-1.0, 1.0)
-    }
+            #[inline(always)]
+            fn clamp_unit(self) -> Self {
+                self.clamp(-1.0, 1.0)
+            }
 
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        if self < other { other } else { self }
-    }
+            #[inline(always)]
+            fn larger(self, other: Self) -> Self {
+                if self < other { other } else { self }
+            }
 
-    #[inline]
-    fn power(self, exponent: Self) -> Self {
-        power::power(self, exponent)
-    }
+            #[inline]
+            fn power(self, exponent: Self) -> Self {
+                $power(self, exponent)
+            }
+        }
+    };
 }
 
-impl Real for f32 {
-    #[inline(always)]
-    fn from_f64(x: f64) -> Self {
-        x as f32
-    }
-
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        trig::sin_cos_f32(self)
-    }
-
-    #[inline(always)]
-    fn clamp_unit(self) -> Self {
-        self.clamp(-1.0, 1.0)
-    }
-
-    #[inline(always)]
-    fn larger(self, other: Self) -> Self {
-        if self < other { other } else { self }
-    }
-
-    #[inline]
-    fn power(self, exponent: Self) -> Self {
-        power::power_f32(self, exponent)
-    }
-}
+real!(f64, trig::sin_cos, power::power);
+real!(f32, trig::sin_cos_f32, power::power_f32);
 
 #[cfg(test)]
 mod tests {

@@ -64,27 +64,28 @@ pub fn zmp_bound_holds(facts: &Facts, in_floats: bool, is_seen: bool) -> Vec<Str
 
 /// Which robot this is, without comment marks.
 pub fn about(facts: &Facts) -> Vec<String> {
-    let base = facts.params.len();
+    let tree = &facts.model.tree;
+    let base = facts.model.base.params.len();
     let mut lines = vec![
         GENERATOR.to_string(),
         String::new(),
         format!(
             "robot          {} ({}, hash {}): {} links, {} independent joints",
             printable(facts.robot),
-            printable(facts.file),
-            facts.hash,
-            facts.links,
+            printable(tree.file.rsplit(['/', '\\']).next().unwrap_or_default()),
+            tree.hash,
+            tree.links.len(),
             facts.dof()
         ),
         format!("support frame  {}", printable(facts.support)),
         format!(
             "parameters     {} SESC (r), {base} base; rank {base} from CoM rows, {} from flat CoP \
              rows",
-            facts.full_params, facts.rank_cop
+            facts.model.chain.full_params, facts.model.base.rank_cop
         ),
     ];
     lines.extend(axes(facts));
-    for snap in snapped(facts.snaps, false) {
+    for snap in snapped(&tree.snaps, false) {
         lines.push(format!(
             "snapped        {}: {:.1e} rad to a right angle, CoM moves by at most {} m",
             printable(&snap.joint),
@@ -129,7 +130,7 @@ fn axes(facts: &Facts) -> Vec<String> {
         "those of that link in the URDF, origin in its sole: z up from the ground, x and \
                     y in the sole plane; joints turn by the right-hand rule about their URDF axes"
             .to_string();
-    if let Some((link, ahead)) = facts.ahead {
+    if let Some((link, ahead)) = facts.model.heaviest_ahead() {
         // No -0.00.
         let [x, y, z] = ahead.map(|x| libm::rint(100.0 * x) / 100.0 + 0.0);
         text += &format!(

@@ -36,60 +36,78 @@ pub const LONGEST: usize = 100;
 /// Names of generated items that a module's type must not take.
 const TAKEN: [&str; 3] = ["Real", "DOF", "PRISMATIC"];
 
-/// Whether `name` serves as a module and its type serves beside what is in it.
-pub fn is_module_name(name: &str) -> bool {
-    name.len() <= LONGEST && is_spelled(name)
+/// What a language takes as the name of generated files.
+pub struct Naming {
+    /// The word that text becomes.
+    pub(super) word: fn(&str) -> String,
+    /// Whether a word serves, but for its length.
+    pub(super) is_spelled: fn(&str) -> bool,
+    /// What is said of a name that does not, with one that does.
+    pub(super) refused: fn(String, String) -> Problem,
 }
 
-/// Whether `name` is a module's but for its length.
-fn is_spelled(name: &str) -> bool {
-    !is_device(name)
-        && name.starts_with(|c: char| c.is_ascii_alphabetic())
+/// Modules whose type serves beside what is in it.
+pub const MODULE: Naming = Naming {
+    word: module,
+    is_spelled: |name| {
+        is_identifier(name)
+            && syn::parse_str::<syn::Ident>(name).is_ok()
+            && !TAKEN.contains(&type_name(name).as_str())
+    },
+    refused: |name, suggestion| Problem::BadName { name, suggestion },
+};
+
+impl Naming {
+    /// The name of what is called `name`, whole however long it is: a part of it might be that of
+    /// another robot or support.
+    pub fn whole(&self, name: &str) -> String {
+        let word = (self.word)(name);
+        match (self.is_spelled)(&word) {
+            true => word,
+            false => format!("{word}_robot"),
+        }
+    }
+
+    /// A name like `name` that serves.
+    pub fn suggest(&self, name: &str) -> String {
+        cut(&self.whole(name), LONGEST)
+    }
+
+    /// Refuses a name that does not serve.
+    ///
+    /// # Errors
+    /// When `name` has more than [`LONGEST`] characters, or is spelled otherwise.
+    pub fn check(&self, name: &str) -> Result<(), Error> {
+        let (length, suggestion) = (name.chars().count(), self.suggest(name));
+        let problem = match (length > LONGEST, (self.is_spelled)(name)) {
+            (false, true) => return Ok(()),
+            (false, false) => (self.refused)(name.to_string(), suggestion),
+            (true, _) => Problem::LongName {
+                name: name.to_string(),
+                length,
+                longest: LONGEST,
+                suggestion,
+            },
+        };
+        Err(problem.into())
+    }
+}
+
+/// Letters, digits and `_` behind a letter that Windows does not take for a device.
+pub(super) fn is_identifier(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-        && syn::parse_str::<syn::Ident>(name).is_ok()
-        && !TAKEN.contains(&type_name(name).as_str())
+        && !is_device(name)
 }
 
 /// Whether Windows takes a file of this name for a device, whatever its end.
-pub(crate) fn is_device(name: &str) -> bool {
+fn is_device(name: &str) -> bool {
     let name = name.to_lowercase();
     let numbered = |kind: &str| {
         let number = name.strip_prefix(kind);
         number.is_some_and(|n| matches!(n.as_bytes(), [b'0'..=b'9']))
     };
     matches!(&*name, "con" | "prn" | "aux" | "nul") || numbered("com") || numbered("lpt")
-}
-
-/// The module of what is called `name`, whole however long it is: a part of it might be that of
-/// another robot or support.
-pub fn whole(name: &str) -> String {
-    let word = module(name);
-    match is_spelled(&word) {
-        true => word,
-        false => format!("{word}_robot"),
-    }
-}
-
-/// A name like `name` that serves.
-pub fn suggest(name: &str) -> String {
-    cut(&whole(name), LONGEST)
-}
-
-/// Refuses a name that is too long for files.
-///
-/// # Errors
-/// When `name` has more than [`LONGEST`] characters.
-pub fn check_length(name: &str, suggestion: String) -> Result<(), Error> {
-    match name.chars().count() {
-        ..=LONGEST => Ok(()),
-        length => Err(Problem::LongName {
-            name: name.to_string(),
-            length,
-            longest: LONGEST,
-            suggestion,
-        }
-        .into()),
-    }
 }
 
 #[cfg(test)]
@@ -102,8 +120,9 @@ mod tests {
         assert_eq!(module("7-bot.A"), "robot_7_bot_a");
         let words = "|_|__|r#fn|fn|self|é|real|DOF|2a|a-b|con|Lpt1";
         for bad in words.split('|').chain([&*"long".repeat(250)]) {
-            assert!(!is_module_name(bad), "{bad}");
-            assert!(is_module_name(&suggest(bad)), "{bad} -> {}", suggest(bad));
+            assert!(MODULE.check(bad).is_err(), "{bad}");
+            let good = MODULE.suggest(bad);
+            assert!(MODULE.check(&good).is_ok(), "{bad} -> {good}");
         }
     }
 }

@@ -24,6 +24,7 @@ use quote::{format_ident, quote};
 use self::core::Core;
 use super::header;
 use super::listing::{Listing, Results};
+use super::shared::Shared;
 use crate::Error;
 use crate::emit::names;
 use crate::error::Problem;
@@ -32,6 +33,7 @@ use crate::routines::{Routine, beyond, takes_context};
 use body::Body;
 use printed::Notes;
 use sesc_model::expr::Argument;
+use sesc_model::program::Program;
 use sesc_model::{Function, Given};
 use signature::{documentation, matrix, result, signature};
 
@@ -45,14 +47,7 @@ const INTERFACE: usize = 1;
 /// # Errors
 /// When `name` is no Rust module name or too long for a file.
 pub fn module(facts: &Facts, name: &str) -> Result<String, Error> {
-    names::check_length(name, names::suggest(name))?;
-    if !names::is_module_name(name) {
-        return Err(Problem::BadName {
-            name: name.to_string(),
-            suggestion: names::suggest(name),
-        }
-        .into());
-    }
+    names::MODULE.check(name)?;
     // Constants of parameters are for those who need not adapt them: C.
     let routines: Vec<&Routine> = facts.routines.iter().filter(|r| !r.baked).collect();
     if let Some(beyond) = beyond(routines.iter().copied(), f64::MAX) {
@@ -62,7 +57,17 @@ pub fn module(facts: &Facts, name: &str) -> Result<String, Error> {
     let unit = Ident::new(&names::type_name(name), Span::call_site());
     let mut notes = Notes::default();
     let constants = constants::items(facts, &mut notes);
-    let struct_ = unit_struct(facts, &unit);
+    let doc = format!(
+        " Robot `{}` standing on `{}`.",
+        header::printable(facts.robot),
+        header::printable(facts.support)
+    );
+    let struct_ = quote! {
+        #[doc = #doc]
+        #[allow(dead_code, non_camel_case_types)]
+        #[derive(Debug, Clone, Copy)]
+        pub struct #unit;
+    };
     let robot = Robot::new(facts, unit, &routines, &mut notes);
     let in_context = in_context(facts, &mut notes);
     let (uses, functions, impls) = (robot.uses(), robot.functions(), robot.impls());
@@ -96,20 +101,6 @@ fn allow_unused() -> TokenStream {
 /// written so that they read back to the same bits, which lints would shorten.
 fn allow_names() -> TokenStream {
     quote! { #[allow(dead_code, non_snake_case, clippy::all)] }
-}
-
-fn unit_struct(facts: &Facts, unit: &Ident) -> TokenStream {
-    let doc = format!(
-        " Robot `{}` standing on `{}`.",
-        header::printable(facts.robot),
-        header::printable(facts.support)
-    );
-    quote! {
-        #[doc = #doc]
-        #[allow(dead_code, non_camel_case_types)]
-        #[derive(Debug, Clone, Copy)]
-        pub struct #unit;
-    }
 }
 
 /// The functions of a module, in the traits that they belong to.
@@ -152,7 +143,11 @@ impl Robot {
                 doc: documentation(facts, function, given),
                 body: match cores.find(|core| core.function == function) {
                     Some(core) => core.caller(given),
-                    None => body_of(routine, notes),
+                    None => {
+                        let arguments = function.arguments(given);
+                        let result = (result(function, given), matrix(function, given));
+                        definition(&routine.program, (None, &arguments), result, None, notes)
+                    }
                 },
             }
         };
@@ -191,9 +186,7 @@ impl Robot {
                 return None;
             }
             let name = format_ident!("{}", header::function_name(function, given));
-            let (parameters, arguments) = signature(&function.arguments(given), |argument| {
-                argument.name().to_string()
-            });
+            let (parameters, arguments) = signature(&function.arguments(given), None);
             let (result, allow, unit) = (result(function, given), allow_unused(), &self.unit);
             let doc = method.doc.lines();
             let head = quote! { #(#[doc = #doc])* };
@@ -207,7 +200,7 @@ impl Robot {
                     #head
                     #allow
                     #[inline]
-                    pub fn #name<T: Real>(#parameters) -> #result { #unit::#name(#(#arguments),*) }
+                    pub fn #name<T: Real>(#(#parameters),*) -> #result { #unit::#name(#(#arguments),*) }
                 },
             })
         });
@@ -272,16 +265,9 @@ fn in_context(facts: &Facts, notes: &mut Notes) -> TokenStream {
         .iter()
         .filter(|routine| is_in_context(routine))
         .map(|routine| {
-            let listing = Listing::new(&routine.program, Results::AtTheEnd);
-            let (parameters, _) = signature(
-                &[Argument::Positions, Argument::Context],
-                |argument| match listing.reads(argument) {
-                    true => argument.name().to_string(),
-                    false => format!("_{}", argument.name()),
-                },
-            );
-            let result = result(routine.function, routine.given);
-            let body = Body::new(listing, None, None).statements(notes);
+            let arguments = [Argument::Positions, Argument::Context];
+            let result = (result(routine.function, routine.given), None);
+            let body = definition(&routine.program, (None, &arguments), result, None, notes);
             let name = format_ident!("model_{}", routine.function.name());
             let doc = documentation(facts, routine.function, routine.given);
             let doc = doc.lines();
@@ -291,7 +277,7 @@ fn in_context(facts: &Facts, notes: &mut Notes) -> TokenStream {
                 /// With the parameters of the model file, and what its effects depend on beside `q` in
                 /// the order of `CONTEXT_NAMES`.
                 #allow_names
-                pub fn #name<T: Real>(#parameters) -> #result { #body }
+                pub fn #name #body
             }
         })
         .collect();
@@ -311,24 +297,26 @@ fn in_context(facts: &Facts, notes: &mut Notes) -> TokenStream {
     }
 }
 
-/// Parameters, result and statements of a function.
-fn body_of(routine: &Routine, notes: &mut Notes) -> TokenStream {
-    let program = &routine.program;
-    let matrix = matrix(routine.function, routine.given);
-    let listing = match matrix {
-        Some(_) => Listing::new(program, Results::AsTheyCome),
-        None => Listing::new(program, Results::AtTheEnd),
+/// Parameters, result and statements of a function of these arguments, `angles` before them; a
+/// matrix is written to its place as its entries come.
+fn definition(
+    program: &Program,
+    (angles, arguments): (Option<TokenStream>, &[Argument]),
+    (result, matrix): (TokenStream, Option<Ident>),
+    shared: Option<&Shared>,
+    notes: &mut Notes,
+) -> TokenStream {
+    let results = match matrix {
+        Some(_) => Results::AsTheyCome,
+        None => Results::AtTheEnd,
     };
-    let rename = |argument: Argument| match listing.reads(argument) {
-        true => argument.name().to_string(),
-        false => format!("_{}", argument.name()),
-    };
-    let (parameters, _) = signature(&routine.function.arguments(routine.given), rename);
-    let result = result(routine.function, routine.given);
-    let body = Body::new(listing, matrix.clone(), None).statements(notes);
+    let listing = Listing::new(program, results);
+    let (parameters, _) = signature(arguments, Some(&listing));
+    let parameters = angles.into_iter().chain(parameters);
+    let body = Body::new(listing, matrix.clone(), shared).statements(notes);
     match matrix {
-        Some(matrix) => quote! { <T: Real>(#parameters, #matrix: &mut #result) { #body } },
-        None => quote! { <T: Real>(#parameters) -> #result { #body } },
+        Some(matrix) => quote! { <T: Real>(#(#parameters,)* #matrix: &mut #result) { #body } },
+        None => quote! { <T: Real>(#(#parameters),*) -> #result { #body } },
     }
 }
 

@@ -96,7 +96,6 @@ pub trait Robot {
 
     fn com<T: Real>(q: &Array<Self::Dof, T>, r: &Array<Self::Base, T>) -> [T; 3];
 
-    #[inline(always)]
     fn com_jacobian_into<T: Real>(
         q: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
@@ -105,7 +104,6 @@ pub trait Robot {
         left_out!("com_jacobian")
     }
 
-    #[inline(always)]
     fn com_velocity<T: Real>(
         q: &Array<Self::Dof, T>,
         qd: &Array<Self::Dof, T>,
@@ -114,7 +112,6 @@ pub trait Robot {
         left_out!("com_velocity")
     }
 
-    #[inline(always)]
     fn gravity_moments<T: Real>(
         q: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
@@ -122,27 +119,22 @@ pub trait Robot {
         left_out!("gravity_moments")
     }
 
-    #[inline(always)]
     fn regressor_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Base, T>; 3]) {
         left_out!("regressor")
     }
 
-    #[inline(always)]
     fn regressor_cop_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Base, T>; 2]) {
         left_out!("regressor_cop")
     }
 
-    #[inline(always)]
     fn regressor_full_into<T: Real>(q: &Array<Self::Dof, T>, rows: &mut [Array<Self::Full, T>; 3]) {
         left_out!("regressor_full")
     }
 
-    #[inline(always)]
     fn cop<T: Real>(q: &Array<Self::Dof, T>, r: &Array<Self::Base, T>) -> [T; 2] {
         left_out!("cop")
     }
 
-    #[inline(always)]
     fn cop_jacobian_into<T: Real>(
         q: &Array<Self::Dof, T>,
         r: &Array<Self::Base, T>,
@@ -151,7 +143,6 @@ pub trait Robot {
         left_out!("cop_jacobian")
     }
 
-    #[inline(always)]
     fn zmp<T: Real>(
         q: &Array<Self::Dof, T>,
         qd: &Array<Self::Dof, T>,
@@ -179,7 +170,6 @@ pub trait SinCosRobot: Robot {
         r: &Array<Self::Base, T>,
     ) -> [T; 3];
 
-    #[inline(always)]
     fn com_jacobian_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
@@ -188,7 +178,6 @@ pub trait SinCosRobot: Robot {
         left_out!("com_jacobian")
     }
 
-    #[inline(always)]
     fn com_velocity_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
@@ -198,7 +187,6 @@ pub trait SinCosRobot: Robot {
         left_out!("com_velocity")
     }
 
-    #[inline(always)]
     fn gravity_moments_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
@@ -207,7 +195,6 @@ pub trait SinCosRobot: Robot {
         left_out!("gravity_moments")
     }
 
-    #[inline(always)]
     fn regressor_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
@@ -215,7 +202,6 @@ pub trait SinCosRobot: Robot {
         left_out!("regressor")
     }
 
-    #[inline(always)]
     fn regressor_cop_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
@@ -223,7 +209,6 @@ pub trait SinCosRobot: Robot {
         left_out!("regressor_cop")
     }
 
-    #[inline(always)]
     fn regressor_full_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
@@ -231,7 +216,6 @@ pub trait SinCosRobot: Robot {
         left_out!("regressor_full")
     }
 
-    #[inline(always)]
     fn cop_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
@@ -240,7 +224,6 @@ pub trait SinCosRobot: Robot {
         left_out!("cop")
     }
 
-    #[inline(always)]
     fn cop_jacobian_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,
@@ -249,7 +232,6 @@ pub trait SinCosRobot: Robot {
         left_out!("cop_jacobian")
     }
 
-    #[inline(always)]
     fn zmp_sc<T: Real>(
         sin: &Array<Self::Dof, T>,
         cos: &Array<Self::Dof, T>,

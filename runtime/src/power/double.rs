@@ -1,13 +1,12 @@
 //! Constants for an `f64`.
 
 use super::kernel::kernel;
+use crate::trig::double::{MAGIC, NAN, SIGN};
 
 const MANTISSA: u32 = 52;
 const BIAS: f64 = 1023.0;
-const SIGN: u64 = 1 << 63;
 const ONE: u64 = 1.0_f64.to_bits();
 const INFINITY: u64 = f64::INFINITY.to_bits();
-const NAN: u64 = 0x7FF8_0000_0000_0000;
 /// Smallest number with a full mantissa; what is below is scaled by 2^64.
 const LEAST: u64 = f64::MIN_POSITIVE.to_bits();
 const SCALE: u64 = 18_446_744_073_709_551_616.0_f64.to_bits();
@@ -18,8 +17,6 @@ const ROOT: u64 = 0x3FE6_A09E_667F_3BCD;
 const UPPER: u64 = !0x07FF_FFFF;
 /// 2^52: an integer added to its bits is added to its value.
 const COUNT: f64 = 4_503_599_627_370_496.0;
-/// 1.5 · 2^52: a sum with it is rounded to an integer, which its low bits show.
-const MAGIC: f64 = 6_755_399_441_055_744.0;
 /// An exponent with which every x but 1 gives zero or infinity: 2^64.
 const LARGEST: f64 = 18_446_744_073_709_551_616.0;
 /// 2^±FAR is infinity and zero.

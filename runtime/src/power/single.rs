@@ -1,13 +1,12 @@
 //! Constants for an `f32`: the same algorithm, in `f32` and `u32` arithmetic alone.
 
 use super::kernel::kernel;
+use crate::trig::single::{MAGIC, NAN, SIGN};
 
 const MANTISSA: u32 = 23;
 const BIAS: f32 = 127.0;
-const SIGN: u32 = 1 << 31;
 const ONE: u32 = 1.0_f32.to_bits();
 const INFINITY: u32 = f32::INFINITY.to_bits();
-const NAN: u32 = 0x7FC0_0000;
 /// Smallest number with a full mantissa; what is below is scaled by 2^32.
 const LEAST: u32 = f32::MIN_POSITIVE.to_bits();
 const SCALE: u32 = 4_294_967_296.0_f32.to_bits();
@@ -18,8 +17,6 @@ const ROOT: u32 = 0x3F35_04F3;
 const UPPER: u32 = !0x0FFF;
 /// 2^23: an integer added to its bits is added to its value.
 const COUNT: f32 = 8_388_608.0;
-/// 1.5 · 2^23: a sum with it is rounded to an integer, which its low bits show.
-const MAGIC: f32 = 12_582_912.0;
 /// An exponent with which every x but 1 gives zero or infinity: 2^40.
 const LARGEST: f32 = 1_099_511_627_776.0;
 /// 2^±FAR is infinity and zero.

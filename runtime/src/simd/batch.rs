@@ -1,7 +1,5 @@
 //! Many postures, one per lane.
 
-use core::marker::PhantomData;
-
 use crate::__private::v1::{Array, Robot};
 use crate::dim::Dim;
 use crate::model::{FullParams, Params, Posture, Sesc};
@@ -47,8 +45,7 @@ pub trait Batch: Sesc {
         r: &Params<Self, B::Scalar>,
         com: &mut [[B; 3]],
     ) {
-        let (out, model) = (com, PhantomData::<Self::Generated>);
-        B::Scalar::run(simd, Com { q, r, out, model });
+        B::Scalar::run(simd, Com::<Self::Generated, B::Scalar> { q, r, out: com });
     }
 
     /// [`Sesc::com_jacobian`] of every posture.
@@ -67,8 +64,11 @@ pub trait Batch: Sesc {
         r: &Params<Self, B::Scalar>,
         jacobian: &mut [[Posture<Self, B>; 3]],
     ) {
-        let (out, model) = (jacobian, PhantomData::<Self::Generated>);
-        B::Scalar::run(simd, ComJacobian { q, r, out, model });
+        let out = jacobian;
+        B::Scalar::run(
+            simd,
+            ComJacobian::<Self::Generated, B::Scalar> { q, r, out },
+        );
     }
 
     /// [`Sesc::com_velocity`] of every posture with its joint velocities, m/s.
@@ -89,17 +89,10 @@ pub trait Batch: Sesc {
         r: &Params<Self, B::Scalar>,
         velocity: &mut [[B; 3]],
     ) {
-        let model = PhantomData::<Self::Generated>;
         let out = velocity;
         B::Scalar::run(
             simd,
-            ComVelocity {
-                q,
-                qd,
-                r,
-                out,
-                model,
-            },
+            ComVelocity::<Self::Generated, B::Scalar> { q, qd, r, out },
         );
     }
 
@@ -119,8 +112,10 @@ pub trait Batch: Sesc {
         r: &Params<Self, B::Scalar>,
         moments: &mut [Posture<Self, B>],
     ) {
-        let (out, model) = (moments, PhantomData::<Self::Generated>);
-        B::Scalar::run(simd, GravityMoments { q, r, out, model });
+        B::Scalar::run(
+            simd,
+            GravityMoments::<Self::Generated, B::Scalar> { q, r, out: moments },
+        );
     }
 
     /// [`Sesc::regressor`] of every posture.
@@ -138,8 +133,10 @@ pub trait Batch: Sesc {
         q: &[Posture<Self, B>],
         rows: &mut [[Params<Self, B>; 3]],
     ) {
-        let (out, model) = (rows, PhantomData::<Self::Generated>);
-        B::Scalar::run(simd, Regressor { q, out, model });
+        B::Scalar::run(
+            simd,
+            Regressor::<Self::Generated, B::Scalar> { q, out: rows },
+        );
     }
 
     /// [`Sesc::regressor_cop`] of every posture.
@@ -157,8 +154,10 @@ pub trait Batch: Sesc {
         q: &[Posture<Self, B>],
         rows: &mut [[Params<Self, B>; 2]],
     ) {
-        let (out, model) = (rows, PhantomData::<Self::Generated>);
-        B::Scalar::run(simd, RegressorCop { q, out, model });
+        B::Scalar::run(
+            simd,
+            RegressorCop::<Self::Generated, B::Scalar> { q, out: rows },
+        );
     }
 
     /// [`Sesc::regressor_full`] of every posture.
@@ -176,8 +175,10 @@ pub trait Batch: Sesc {
         q: &[Posture<Self, B>],
         rows: &mut [[FullParams<Self, B>; 3]],
     ) {
-        let (out, model) = (rows, PhantomData::<Self::Generated>);
-        B::Scalar::run(simd, RegressorFull { q, out, model });
+        B::Scalar::run(
+            simd,
+            RegressorFull::<Self::Generated, B::Scalar> { q, out: rows },
+        );
     }
 
     /// [`Sesc::cop`] of every posture, metres.
@@ -196,8 +197,7 @@ pub trait Batch: Sesc {
         r: &Params<Self, B::Scalar>,
         cop: &mut [[B; 2]],
     ) {
-        let (out, model) = (cop, PhantomData::<Self::Generated>);
-        B::Scalar::run(simd, Cop { q, r, out, model });
+        B::Scalar::run(simd, Cop::<Self::Generated, B::Scalar> { q, r, out: cop });
     }
 
     /// [`Sesc::zmp`] of every posture with its joint velocities and accelerations, metres.
@@ -219,18 +219,10 @@ pub trait Batch: Sesc {
         r: &Params<Self, B::Scalar>,
         zmp: &mut [[B; 2]],
     ) {
-        let model = PhantomData::<Self::Generated>;
         let out = zmp;
         B::Scalar::run(
             simd,
-            Zmp {
-                q,
-                qd,
-                qdd,
-                r,
-                out,
-                model,
-            },
+            Zmp::<Self::Generated, B::Scalar> { q, qd, qdd, r, out },
         );
     }
 }
@@ -238,17 +230,17 @@ pub trait Batch: Sesc {
 impl<M: Sesc> Batch for M {}
 
 /// A function over all blocks, as a task for any set of instructions: `$result` of one
-/// part of a block, from joint positions `$q` and parameters `$r`.
+/// part of a block, from joint positions `$q`, their `$motion` and parameters `$r`.
 macro_rules! task {
     (
-        @task $name:ident, $out:ty, ($($r:ident)?), $room:ident = [$start:expr],
-        |$q:ident, $block:ident, $part:ident| $result:expr
+        @task $name:ident, $out:ty, ($($r:ident)? $(; $($motion:ident)*)?),
+        $room:ident = [$start:expr], |$q:ident, $block:ident, $part:ident| $result:expr
     ) => {
         struct $name<'a, M: Robot, S: Scalar> {
             q: &'a [Array<M::Dof, S::Block>],
+            $($($motion: &'a [Array<M::Dof, S::Block>],)*)?
             $($r: &'a Array<M::Base, S>,)?
             out: &'a mut [$out],
-            model: PhantomData<M>,
         }
 
         impl<M: Robot, S: Scalar> Task<S> for $name<'_, M, S> {
@@ -257,18 +249,21 @@ macro_rules! task {
                 $(let $r = <M::Base as Dim>::from_fn(|k| X::splat(self.$r[k]));)?
                 #[allow(unused_mut, clippy::let_unit_value)] // vectors need no room
                 let mut $room = $start;
+                $($(let mut $motion = self.$motion.iter();)*)?
                 for (q, $block) in self.q.iter().zip(self.out) {
+                    $($(let Some($motion) = $motion.next() else { break };)*)?
                     for $part in 0..X::PARTS {
                         let $q = &<M::Dof as Dim>::load::<S, X>(q, $part);
+                        $($(let $motion = &<M::Dof as Dim>::load::<S, X>($motion, $part);)*)?
                         $result;
                     }
                 }
             }
         }
     };
-    ($name:ident, $method:ident(r) -> $n:literal) => {
-        task!(@task $name, [S::Block; $n], (r), _room = [()], |q, block, part| {
-            X::store(&M::$method(q, &r), block, part)
+    ($name:ident, $method:ident(r $(; $($motion:ident)*)?) -> $n:literal) => {
+        task!(@task $name, [S::Block; $n], (r $(; $($motion)*)?), _room = [()], |q, block, part| {
+            X::store(&M::$method(q, $($($motion,)*)? &r), block, part)
         });
     };
     ($name:ident, $method:ident(r) -> $n:ident) => {
@@ -292,54 +287,10 @@ macro_rules! task {
 
 task!(Com, com(r) -> 3);
 task!(ComJacobian, com_jacobian_into(r) -> [Dof; 3]);
+task!(ComVelocity, com_velocity(r; qd) -> 3);
 task!(GravityMoments, gravity_moments(r) -> Dof);
 task!(Regressor, regressor_into() -> [Base; 3]);
 task!(RegressorCop, regressor_cop_into() -> [Base; 2]);
 task!(RegressorFull, regressor_full_into() -> [Full; 3]);
 task!(Cop, cop(r) -> 2);
-
-/// A task as [`task`] makes them, with a block of velocities beside each block of postures.
-struct ComVelocity<'a, M: Robot, S: Scalar> {
-    q: &'a [Array<M::Dof, S::Block>],
-    qd: &'a [Array<M::Dof, S::Block>],
-    r: &'a Array<M::Base, S>,
-    out: &'a mut [[S::Block; 3]],
-    model: PhantomData<M>,
-}
-
-impl<M: Robot, S: Scalar> Task<S> for ComVelocity<'_, M, S> {
-    #[inline(always)]
-    fn run<X: Machine<S>>(self) {
-        let r = <M::Base as Dim>::from_fn(|k| X::splat(self.r[k]));
-        for ((q, qd), block) in self.q.iter().zip(self.qd).zip(self.out) {
-            for part in 0..X::PARTS {
-                let [q, qd] = [q, qd].map(|x| <M::Dof as Dim>::load::<S, X>(x, part));
-                X::store(&M::com_velocity(&q, &qd, &r), block, part);
-            }
-        }
-    }
-}
-
-/// The same with a block of accelerations more.
-struct Zmp<'a, M: Robot, S: Scalar> {
-    q: &'a [Array<M::Dof, S::Block>],
-    qd: &'a [Array<M::Dof, S::Block>],
-    qdd: &'a [Array<M::Dof, S::Block>],
-    r: &'a Array<M::Base, S>,
-    out: &'a mut [[S::Block; 2]],
-    model: PhantomData<M>,
-}
-
-impl<M: Robot, S: Scalar> Task<S> for Zmp<'_, M, S> {
-    #[inline(always)]
-    fn run<X: Machine<S>>(self) {
-        let r = <M::Base as Dim>::from_fn(|k| X::splat(self.r[k]));
-        let motion = self.q.iter().zip(self.qd).zip(self.qdd);
-        for (((q, qd), qdd), block) in motion.zip(self.out) {
-            for part in 0..X::PARTS {
-                let [q, qd, qdd] = [q, qd, qdd].map(|x| <M::Dof as Dim>::load::<S, X>(x, part));
-                X::store(&M::zmp(&q, &qd, &qdd, &r), block, part);
-            }
-        }
-    }
-}
+task!(Zmp, zmp(r; qd qdd) -> 2);

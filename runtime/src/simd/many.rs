@@ -13,7 +13,7 @@ use core::error;
 use core::fmt;
 
 use super::batch::Batch;
-use crate::dim::Dim;
+use crate::dim::{Const, Dim};
 use crate::model::{FullParams, Params, Posture, Sesc};
 use crate::real::Real as _;
 use crate::scalar::sealed::{Machine, Task};
@@ -73,11 +73,9 @@ pub trait Many: Batch {
         r: &Params<Self, S>,
         com: &mut [[S; 3]],
     ) -> Result<(), UnequalLengths> {
-        let zero = S::Block::from_f64(0.0);
-        let blocks = [[zero; 3]; VECTORS];
-        let run = |q: &[_], com: &mut [_]| Self::com_batch::<S::Block>(simd, q, r, com);
-        let unpack = |block: &[S::Block; 3], rows: &mut [[S; 3]]| turn(block, rows, |row| row);
-        in_blocks::<Self, S, _, _, _>(simd, q, com, blocks, run, unpack)
+        vectors::<Self, S, Const<3>>(simd, q, com, |q, com| {
+            Self::com_batch::<S::Block>(simd, q, r, com);
+        })
     }
 
     /// [`Sesc::com_jacobian`] of every posture, `[row][joint]`, metres per radian.
@@ -100,17 +98,9 @@ pub trait Many: Batch {
         r: &Params<Self, S>,
         jacobian: &mut [[Posture<Self, S>; 3]],
     ) -> Result<(), UnequalLengths> {
-        let zero = S::Block::from_f64(0.0);
-        let blocks = [[<Self::Dof as Dim>::filled(zero); 3]; MATRICES];
-        let run = |q: &[_], jacobian: &mut [_]| {
-            Self::com_jacobian_batch::<S::Block>(simd, q, r, jacobian)
-        };
-        let unpack = |block: &[Posture<Self, S::Block>; 3], rows: &mut [[Posture<Self, S>; 3]]| {
-            for (k, block) in block.iter().enumerate() {
-                turn(block.as_ref(), rows, |row| row[k].as_mut());
-            }
-        };
-        in_blocks::<Self, S, _, _, _>(simd, q, jacobian, blocks, run, unpack)
+        matrices::<Self, S, Self::Dof, 3>(simd, q, jacobian, |q, jacobian| {
+            Self::com_jacobian_batch::<S::Block>(simd, q, r, jacobian);
+        })
     }
 
     /// [`Sesc::gravity_moments`] of every posture, metres.
@@ -133,15 +123,9 @@ pub trait Many: Batch {
         r: &Params<Self, S>,
         moments: &mut [Posture<Self, S>],
     ) -> Result<(), UnequalLengths> {
-        let zero = S::Block::from_f64(0.0);
-        let blocks = [<Self::Dof as Dim>::filled(zero); VECTORS];
-        let run = |q: &[_], moments: &mut [_]| {
-            Self::gravity_moments_batch::<S::Block>(simd, q, r, moments)
-        };
-        let unpack = |block: &Posture<Self, S::Block>, rows: &mut [Posture<Self, S>]| {
-            turn(block.as_ref(), rows, |row| row.as_mut());
-        };
-        in_blocks::<Self, S, _, _, _>(simd, q, moments, blocks, run, unpack)
+        vectors::<Self, S, Self::Dof>(simd, q, moments, |q, moments| {
+            Self::gravity_moments_batch::<S::Block>(simd, q, r, moments);
+        })
     }
 
     /// [`Sesc::regressor`] of every posture.
@@ -163,15 +147,9 @@ pub trait Many: Batch {
         q: &[Posture<Self, S>],
         rows: &mut [[Params<Self, S>; 3]],
     ) -> Result<(), UnequalLengths> {
-        let zero = S::Block::from_f64(0.0);
-        let blocks = [[<Self::Base as Dim>::filled(zero); 3]; MATRICES];
-        let run = |q: &[_], rows: &mut [_]| Self::regressor_batch::<S::Block>(simd, q, rows);
-        let unpack = |block: &[Params<Self, S::Block>; 3], rows: &mut [[Params<Self, S>; 3]]| {
-            for (k, block) in block.iter().enumerate() {
-                turn(block.as_ref(), rows, |row| row[k].as_mut());
-            }
-        };
-        in_blocks::<Self, S, _, _, _>(simd, q, rows, blocks, run, unpack)
+        matrices::<Self, S, Self::Base, 3>(simd, q, rows, |q, rows| {
+            Self::regressor_batch::<S::Block>(simd, q, rows);
+        })
     }
 
     /// [`Sesc::regressor_cop`] of every posture.
@@ -193,15 +171,9 @@ pub trait Many: Batch {
         q: &[Posture<Self, S>],
         rows: &mut [[Params<Self, S>; 2]],
     ) -> Result<(), UnequalLengths> {
-        let zero = S::Block::from_f64(0.0);
-        let blocks = [[<Self::Base as Dim>::filled(zero); 2]; MATRICES];
-        let run = |q: &[_], rows: &mut [_]| Self::regressor_cop_batch::<S::Block>(simd, q, rows);
-        let unpack = |block: &[Params<Self, S::Block>; 2], rows: &mut [[Params<Self, S>; 2]]| {
-            for (k, block) in block.iter().enumerate() {
-                turn(block.as_ref(), rows, |row| row[k].as_mut());
-            }
-        };
-        in_blocks::<Self, S, _, _, _>(simd, q, rows, blocks, run, unpack)
+        matrices::<Self, S, Self::Base, 2>(simd, q, rows, |q, rows| {
+            Self::regressor_cop_batch::<S::Block>(simd, q, rows);
+        })
     }
 
     /// [`Sesc::regressor_full`] of every posture.
@@ -223,16 +195,9 @@ pub trait Many: Batch {
         q: &[Posture<Self, S>],
         rows: &mut [[FullParams<Self, S>; 3]],
     ) -> Result<(), UnequalLengths> {
-        let zero = S::Block::from_f64(0.0);
-        let blocks = [[<Self::Full as Dim>::filled(zero); 3]; MATRICES];
-        let run = |q: &[_], rows: &mut [_]| Self::regressor_full_batch::<S::Block>(simd, q, rows);
-        let unpack = |block: &[FullParams<Self, S::Block>; 3],
-                      rows: &mut [[FullParams<Self, S>; 3]]| {
-            for (k, block) in block.iter().enumerate() {
-                turn(block.as_ref(), rows, |row| row[k].as_mut());
-            }
-        };
-        in_blocks::<Self, S, _, _, _>(simd, q, rows, blocks, run, unpack)
+        matrices::<Self, S, Self::Full, 3>(simd, q, rows, |q, rows| {
+            Self::regressor_full_batch::<S::Block>(simd, q, rows);
+        })
     }
 
     /// [`Sesc::cop`] of every posture, metres.
@@ -255,11 +220,9 @@ pub trait Many: Batch {
         r: &Params<Self, S>,
         cop: &mut [[S; 2]],
     ) -> Result<(), UnequalLengths> {
-        let zero = S::Block::from_f64(0.0);
-        let blocks = [[zero; 2]; VECTORS];
-        let run = |q: &[_], cop: &mut [_]| Self::cop_batch::<S::Block>(simd, q, r, cop);
-        let unpack = |block: &[S::Block; 2], rows: &mut [[S; 2]]| turn(block, rows, |row| row);
-        in_blocks::<Self, S, _, _, _>(simd, q, cop, blocks, run, unpack)
+        vectors::<Self, S, Const<2>>(simd, q, cop, |q, cop| {
+            Self::cop_batch::<S::Block>(simd, q, r, cop);
+        })
     }
 }
 
@@ -295,6 +258,34 @@ impl fmt::Display for UnequalLengths {
 }
 
 impl error::Error for UnequalLengths {}
+
+/// A function whose results are vectors.
+fn vectors<R: Sesc, S: Scalar, D: Dim>(
+    simd: Simd,
+    q: &[Posture<R, S>],
+    out: &mut [D::Array<S>],
+    run: impl Fn(&[Posture<R, S::Block>], &mut [D::Array<S::Block>]),
+) -> Result<(), UnequalLengths> {
+    let blocks = [D::filled(S::Block::from_f64(0.0)); VECTORS];
+    in_blocks::<R, S, _, _, _>(simd, q, out, blocks, run, |block, rows| {
+        turn(block.as_ref(), rows, |row| row.as_mut());
+    })
+}
+
+/// A function whose results are matrices.
+fn matrices<R: Sesc, S: Scalar, D: Dim, const ROWS: usize>(
+    simd: Simd,
+    q: &[Posture<R, S>],
+    out: &mut [[D::Array<S>; ROWS]],
+    run: impl Fn(&[Posture<R, S::Block>], &mut [[D::Array<S::Block>; ROWS]]),
+) -> Result<(), UnequalLengths> {
+    let blocks = [[D::filled(S::Block::from_f64(0.0)); ROWS]; MATRICES];
+    in_blocks::<R, S, _, _, _>(simd, q, out, blocks, run, |block, rows| {
+        for (k, block) in block.iter().enumerate() {
+            turn(block.as_ref(), rows, |row| row[k].as_mut());
+        }
+    })
+}
 
 /// All postures, so many blocks at a time as there are in `found`: `run` evaluates them, and
 /// `unpack` writes the rows of a block.

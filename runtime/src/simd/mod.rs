@@ -28,6 +28,8 @@ mod x86;
 use crate::lanes::{F32x16, F64x8, Lanes, pack};
 use crate::scalar::{Block, Scalar, Set, Simd, sealed};
 use crate::trig;
+#[cfg(target_arch = "x86_64")]
+use x86::{avx2, avx512};
 
 pub use batch::Batch;
 pub use many::{Many, UnequalLengths};
@@ -138,7 +140,7 @@ impl<S: Scalar, const N: usize> sealed::Task<S> for Sines<'_, S, N> {
 struct Portable;
 
 macro_rules! portable {
-    ($scalar:ty, $block:ty, $sin_cos:path, $avx2:path, $avx512:path, $short:path) => {
+    ($scalar:ty, $block:ty, $sin_cos:path) => {
         impl Block for $block {
             type Scalar = $scalar;
 
@@ -237,10 +239,12 @@ macro_rules! portable {
                     #[cfg(target_arch = "x86_64")]
                     // SAFETY: only `available` makes one, after it has seen the
                     // processor's features.
-                    Set::Avx2 => unsafe { $avx2(task) },
+                    Set::Avx2 => unsafe { avx2::run::<Self, avx2::Avx2>(task) },
                     #[cfg(target_arch = "x86_64")]
                     // SAFETY: likewise.
-                    Set::Avx512 | Set::Avx512Short => unsafe { $avx512(task) },
+                    Set::Avx512 | Set::Avx512Short => unsafe {
+                        avx512::run::<Self, avx512::Avx512>(task)
+                    },
                 }
             }
 
@@ -250,7 +254,7 @@ macro_rules! portable {
                 match set.0 {
                     #[cfg(target_arch = "x86_64")]
                     // SAFETY: likewise.
-                    Set::Avx512Short => unsafe { $short(task) },
+                    Set::Avx512Short => unsafe { avx512::run::<Self, avx512::Avx512Short>(task) },
                     _ => Self::run(set, task),
                 }
             }
@@ -258,19 +262,5 @@ macro_rules! portable {
     };
 }
 
-portable!(
-    f64,
-    F64x8,
-    trig::sin_cos,
-    x86::avx2::double,
-    x86::avx512::double,
-    x86::avx512::double_short
-);
-portable!(
-    f32,
-    F32x16,
-    trig::sin_cos_f32,
-    x86::avx2::single,
-    x86::avx512::single,
-    x86::avx512::single_short
-);
+portable!(f64, F64x8, trig::sin_cos);
+portable!(f32, F32x16, trig::sin_cos_f32);

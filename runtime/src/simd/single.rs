@@ -1,7 +1,5 @@
 //! One posture: its sines and cosines side by side, then its rows side by side.
 
-use core::marker::PhantomData;
-
 use crate::__private::v1::{Array, SinCosRobot};
 use crate::dim::Dim;
 use crate::from_sin_cos::SescFromSinCos;
@@ -43,16 +41,9 @@ pub trait Single: SescFromSinCos {
     /// ```
     #[inline]
     fn com_single<S: Scalar>(simd: Simd, q: &Posture<Self, S>, r: &Params<Self, S>) -> [S; 3] {
-        let (mut value, model) = ([S::ZERO; 3], PhantomData::<Self::GeneratedSinCos>);
-        S::run(
-            simd,
-            Com {
-                q,
-                r,
-                out: &mut value,
-                model,
-            },
-        );
+        let mut value = [S::ZERO; 3];
+        let out = &mut value;
+        S::run(simd, Com::<Self::GeneratedSinCos, S> { q, r, out });
         value
     }
 
@@ -93,8 +84,8 @@ pub trait Single: SescFromSinCos {
         r: &Params<Self, S>,
         jacobian: &mut [Posture<Self, S>; 3],
     ) {
-        let (out, model) = (jacobian, PhantomData::<Self::GeneratedSinCos>);
-        S::run_rows(simd, ComJacobian { q, r, out, model });
+        let out = jacobian;
+        S::run_rows(simd, ComJacobian::<Self::GeneratedSinCos, S> { q, r, out });
     }
 
     /// [`Sesc::com_velocity`](crate::Sesc::com_velocity), m/s.
@@ -114,17 +105,11 @@ pub trait Single: SescFromSinCos {
         qd: &Posture<Self, S>,
         r: &Params<Self, S>,
     ) -> [S; 3] {
-        let (mut value, model) = ([S::ZERO; 3], PhantomData::<Self::GeneratedSinCos>);
+        let mut value = [S::ZERO; 3];
         let out = &mut value;
         S::run(
             simd,
-            ComVelocity {
-                q,
-                qd,
-                r,
-                out,
-                model,
-            },
+            ComVelocity::<Self::GeneratedSinCos, S> { q, qd, r, out },
         );
         value
     }
@@ -144,18 +129,11 @@ pub trait Single: SescFromSinCos {
         q: &Posture<Self, S>,
         r: &Params<Self, S>,
     ) -> Posture<Self, S> {
-        let (mut value, model) = (
-            <Self::Dof as Dim>::filled(S::ZERO),
-            PhantomData::<Self::GeneratedSinCos>,
-        );
+        let mut value = <Self::Dof as Dim>::filled(S::ZERO);
+        let out = &mut value;
         S::run(
             simd,
-            GravityMoments {
-                q,
-                r,
-                out: &mut value,
-                model,
-            },
+            GravityMoments::<Self::GeneratedSinCos, S> { q, r, out },
         );
         value
     }
@@ -192,8 +170,7 @@ pub trait Single: SescFromSinCos {
         q: &Posture<Self, S>,
         rows: &mut [Params<Self, S>; 3],
     ) {
-        let (out, model) = (rows, PhantomData::<Self::GeneratedSinCos>);
-        S::run_rows(simd, Regressor { q, out, model });
+        S::run_rows(simd, Regressor::<Self::GeneratedSinCos, S> { q, out: rows });
     }
 
     /// [`Sesc::regressor_cop`](crate::Sesc::regressor_cop).
@@ -228,8 +205,10 @@ pub trait Single: SescFromSinCos {
         q: &Posture<Self, S>,
         rows: &mut [Params<Self, S>; 2],
     ) {
-        let (out, model) = (rows, PhantomData::<Self::GeneratedSinCos>);
-        S::run_rows(simd, RegressorCop { q, out, model });
+        S::run_rows(
+            simd,
+            RegressorCop::<Self::GeneratedSinCos, S> { q, out: rows },
+        );
     }
 
     /// [`Sesc::regressor_full`](crate::Sesc::regressor_full).
@@ -267,8 +246,10 @@ pub trait Single: SescFromSinCos {
         q: &Posture<Self, S>,
         rows: &mut [FullParams<Self, S>; 3],
     ) {
-        let (out, model) = (rows, PhantomData::<Self::GeneratedSinCos>);
-        S::run_rows(simd, RegressorFull { q, out, model });
+        S::run_rows(
+            simd,
+            RegressorFull::<Self::GeneratedSinCos, S> { q, out: rows },
+        );
     }
 
     /// [`Sesc::cop`](crate::Sesc::cop), metres.
@@ -282,16 +263,9 @@ pub trait Single: SescFromSinCos {
     /// ```
     #[inline]
     fn cop_single<S: Scalar>(simd: Simd, q: &Posture<Self, S>, r: &Params<Self, S>) -> [S; 2] {
-        let (mut value, model) = ([S::ZERO; 2], PhantomData::<Self::GeneratedSinCos>);
-        S::run(
-            simd,
-            Cop {
-                q,
-                r,
-                out: &mut value,
-                model,
-            },
-        );
+        let mut value = [S::ZERO; 2];
+        let out = &mut value;
+        S::run(simd, Cop::<Self::GeneratedSinCos, S> { q, r, out });
         value
     }
 
@@ -313,19 +287,9 @@ pub trait Single: SescFromSinCos {
         qdd: &Posture<Self, S>,
         r: &Params<Self, S>,
     ) -> [S; 2] {
-        let (mut value, model) = ([S::ZERO; 2], PhantomData::<Self::GeneratedSinCos>);
+        let mut value = [S::ZERO; 2];
         let out = &mut value;
-        S::run(
-            simd,
-            Zmp {
-                q,
-                qd,
-                qdd,
-                r,
-                out,
-                model,
-            },
-        );
+        S::run(simd, Zmp::<Self::GeneratedSinCos, S> { q, qd, qdd, r, out });
         value
     }
 }
@@ -382,7 +346,6 @@ macro_rules! task {
             q: &'a Array<M::Dof, S>,
             $($x: &'a Array<M::$of, S>,)*
             out: &'a mut $out,
-            model: PhantomData<M>,
         }
 
         impl<M: SinCosRobot, S: Scalar> Task<S> for $name<'_, M, S> {

@@ -16,7 +16,9 @@
 
 use core::f64::consts::FRAC_2_PI;
 
-/// The largest angle, in radians and of either sign, that [`sin_cos`] accepts: 2^20.
+use super::kernel::kernel;
+
+/// The largest angle, in radians and of either sign, that [`sin_cos`](super::sin_cos) accepts: 2^20.
 ///
 /// ```
 /// use sesc_runtime::trig;
@@ -26,8 +28,8 @@ use core::f64::consts::FRAC_2_PI;
 /// ```
 pub const LIMIT_RAD: f64 = 1_048_576.0;
 
-const SIGN: u64 = 1 << 63;
-const NAN: u64 = 0x7FF8_0000_0000_0000;
+pub(crate) const SIGN: u64 = 1 << 63;
+pub(crate) const NAN: u64 = 0x7FF8_0000_0000_0000;
 
 /// 1.5 · 2^52: a sum with it is rounded to an integer, which its low bits show.
 pub(crate) const MAGIC: f64 = 6_755_399_441_055_744.0;
@@ -59,76 +61,13 @@ pub(crate) const COS: [f64; 6] = [
     f64::from_bits(0xBDA8_FA68_4F1D_4190), // -1.1358749420488109e-11
 ];
 
-/// Sine and cosine of `x` radians, in this order.
-///
-/// For |x| <= [`LIMIT_RAD`] each is within 0.9 ulp of the true value: 0.5 from the
-/// last sum and at most 0.39 from the terms before it, whose sum is small; the
-/// largest error found at 5·10^7 random angles is 0.83 ulp. Beyond the limit, and for
-/// infinities and NaN, both are NaN. `sin(-x)` is `-sin(x)` and `cos(-x)` is `cos(x)`
-/// to the bit, zero included.
-///
-/// Straight-line code of 23 multiplications and 29 additions: no branch, table
-/// or call, and the same bits on every machine that rounds to nearest.
-///
-/// ```
-/// use sesc_runtime::trig;
-///
-/// assert_eq!(trig::sin_cos(0.0), (0.0, 1.0));
-/// assert!(trig::sin_cos(2.0 * trig::LIMIT_RAD).0.is_nan());
-/// ```
-#[inline(always)]
-pub fn sin_cos(x: f64) -> (f64, f64) {
-    let sign = x.to_bits() & SIGN;
-    let magnitude = x.to_bits() ^ sign;
-    // Bit patterns of magnitudes are ordered as the magnitudes are, NaN last.
-    let outside = ((LIMIT_RAD.to_bits().wrapping_sub(magnitude) as i64) >> 63) as u64 & NAN;
-
-    let x = f64::from_bits(magnitude);
-    let shifted = x * FRAC_2_PI + MAGIC;
-    let quadrant = shifted.to_bits();
-    let k = shifted - MAGIC;
-
-    let a = x - k * P1;
-    let b = k * P2;
-    let h = a - b;
-    let h_lost = (a - h) - b;
-    let c = k * P3;
-    let r = h - c;
-    let r_lost = (h - r) - c;
-    let tail = (h_lost + r_lost) - k * P4;
-
-    let (sin, cos) = kernel(r, tail);
-
-    // Odd quadrants swap the two; sin < 0 in 2 and 3, cos < 0 in 1 and 2.
-    let odd = 0_u64.wrapping_sub(quadrant & 1);
-    let swap = (sin.to_bits() ^ cos.to_bits()) & odd;
-    let sin_sign = sign ^ ((quadrant & 2) << 62);
-    let cos_sign = (quadrant.wrapping_add(1) & 2) << 62;
-    (
-        f64::from_bits((sin.to_bits() ^ swap ^ sin_sign) | outside),
-        f64::from_bits((cos.to_bits() ^ swap ^ cos_sign) | outside),
-    )
-}
-
-/// Sine and cosine of `r + tail`, |r| <= π/4 and the tail below an ulp or so of `r`.
-///
-/// The tail enters to first order; the large term of each sum is added last.
-#[inline(always)]
-fn kernel(r: f64, tail: f64) -> (f64, f64) {
-    let z = r * r;
-    let z2 = z * z;
-    let half_z = 0.5 * z;
-    let w = 1.0 - half_z;
-    let sin = r + (z * r * polynomial(&SIN, z, z2) + tail * w);
-    let cos = w + (((1.0 - w) - half_z) + (z2 * polynomial(&COS, z, z2) - r * tail));
-    (sin, cos)
-}
-
 /// `Σ c_i z^i` by pairs: as many products as Horner's rule, half the latency.
 #[inline(always)]
 fn polynomial(c: &[f64; 6], z: f64, z2: f64) -> f64 {
     (c[0] + c[1] * z) + z2 * ((c[2] + c[3] * z) + z2 * (c[4] + c[5] * z))
 }
+
+kernel!(f64, u64);
 
 #[cfg(test)]
 mod tests {

@@ -32,14 +32,54 @@
 //! turns, |x| <= 2π, are the same to the second digit. Rounding must be to nearest,
 //! which is how Rust programs run.
 
-mod double;
-mod single;
+pub(crate) mod double;
+mod kernel;
+pub(crate) mod single;
 #[cfg(test)]
 pub(crate) mod tests;
 
-#[cfg(target_arch = "x86_64")]
-pub(crate) use double::{COS, MAGIC, SIN};
-pub use double::{LIMIT_RAD, sin_cos};
-#[cfg(target_arch = "x86_64")]
-pub(crate) use single::{COS_F32, MAGIC_F32, SIN_F32};
-pub use single::{LIMIT_RAD_F32, sin_cos_f32};
+pub use double::LIMIT_RAD;
+pub use single::LIMIT_RAD as LIMIT_RAD_F32;
+
+/// Sine and cosine of `x` radians, in this order.
+///
+/// For |x| <= [`LIMIT_RAD`] each is within 0.9 ulp of the true value: 0.5 from the
+/// last sum and at most 0.39 from the terms before it, whose sum is small; the
+/// largest error found at 5·10^7 random angles is 0.83 ulp. Beyond the limit, and for
+/// infinities and NaN, both are NaN. `sin(-x)` is `-sin(x)` and `cos(-x)` is `cos(x)`
+/// to the bit, zero included.
+///
+/// Straight-line code of 23 multiplications and 29 additions: no branch, table
+/// or call, and the same bits on every machine that rounds to nearest.
+///
+/// ```
+/// use sesc_runtime::trig;
+///
+/// assert_eq!(trig::sin_cos(0.0), (0.0, 1.0));
+/// assert!(trig::sin_cos(2.0 * trig::LIMIT_RAD).0.is_nan());
+/// ```
+#[inline(always)]
+pub fn sin_cos(x: f64) -> (f64, f64) {
+    double::sin_cos(x)
+}
+
+/// Sine and cosine of `x` radians, in this order.
+///
+/// For |x| <= [`LIMIT_RAD_F32`] each is within 0.85 ulp of the true value (0.841 is
+/// the largest error over every `f32` of the domain). Beyond, and for infinities
+/// and NaN, both are NaN. `sin(-x)` is `-sin(x)` and `cos(-x)` is `cos(x)` to the bit,
+/// zero included.
+///
+/// Straight-line code of 17 multiplications and 23 additions, without branch,
+/// table, call or conversion.
+///
+/// ```
+/// use sesc_runtime::trig;
+///
+/// assert_eq!(trig::sin_cos_f32(0.0), (0.0, 1.0));
+/// assert!(trig::sin_cos_f32(f32::INFINITY).1.is_nan());
+/// ```
+#[inline(always)]
+pub fn sin_cos_f32(x: f32) -> (f32, f32) {
+    single::sin_cos(x)
+}

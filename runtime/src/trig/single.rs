@@ -11,7 +11,9 @@
 
 use core::f32::consts::FRAC_2_PI;
 
-/// The largest angle, in radians and of either sign, that [`sin_cos_f32`] accepts: 2^10.
+use super::kernel::kernel;
+
+/// The largest angle, in radians and of either sign, that [`sin_cos_f32`](super::sin_cos_f32) accepts: 2^10.
 ///
 /// ```
 /// use sesc_runtime::trig;
@@ -19,13 +21,13 @@ use core::f32::consts::FRAC_2_PI;
 /// assert!(trig::sin_cos_f32(trig::LIMIT_RAD_F32).0.is_finite());
 /// assert!(trig::sin_cos_f32(trig::LIMIT_RAD_F32 + 1.0).0.is_nan());
 /// ```
-pub const LIMIT_RAD_F32: f32 = 1024.0;
+pub const LIMIT_RAD: f32 = 1024.0;
 
-const SIGN: u32 = 1 << 31;
-const NAN: u32 = 0x7FC0_0000;
+pub(crate) const SIGN: u32 = 1 << 31;
+pub(crate) const NAN: u32 = 0x7FC0_0000;
 
 /// 1.5 · 2^23: a sum with it is rounded to an integer, which its low bits show.
-pub(crate) const MAGIC_F32: f32 = 12_582_912.0;
+pub(crate) const MAGIC: f32 = 12_582_912.0;
 
 /// π/2 in four pieces, each the truncated remainder of those before (the last rounded).
 const P1: f32 = f32::from_bits(0x3FC9_0C00);
@@ -35,82 +37,18 @@ const P4: f32 = f32::from_bits(0x298C_234C);
 
 /// `(sin r - r) / r^3` as a polynomial in `r^2`: minimax on |r| <= π/4 + 2^-12 for the
 /// relative error of the sine, which is 2^-27.9 with these rounded coefficients.
-pub(crate) const SIN_F32: [f32; 3] = [
+pub(crate) const SIN: [f32; 3] = [
     f32::from_bits(0xBE2A_AAA3), // -1.666665524e-1
     f32::from_bits(0x3C08_83BB), //  8.332188241e-3
     f32::from_bits(0xB94C_A97D), // -1.951809536e-4
 ];
 
 /// `(cos r - 1 + r^2/2) / r^4` likewise; the relative error of the cosine is 2^-33.0.
-pub(crate) const COS_F32: [f32; 3] = [
+pub(crate) const COS: [f32; 3] = [
     f32::from_bits(0x3D2A_AAA5), //  4.166664556e-2
     f32::from_bits(0xBAB6_0614), // -1.388730947e-3
     f32::from_bits(0x37CC_F406), //  2.443232734e-5
 ];
-
-/// Sine and cosine of `x` radians, in this order.
-///
-/// For |x| <= [`LIMIT_RAD_F32`] each is within 0.85 ulp of the true value (0.841 is
-/// the largest error over every `f32` of the domain). Beyond, and for infinities
-/// and NaN, both are NaN. `sin(-x)` is `-sin(x)` and `cos(-x)` is `cos(x)` to the bit,
-/// zero included.
-///
-/// Straight-line code of 17 multiplications and 23 additions, without branch,
-/// table, call or conversion.
-///
-/// ```
-/// use sesc_runtime::trig;
-///
-/// assert_eq!(trig::sin_cos_f32(0.0), (0.0, 1.0));
-/// assert!(trig::sin_cos_f32(f32::INFINITY).1.is_nan());
-/// ```
-#[inline(always)]
-pub fn sin_cos_f32(x: f32) -> (f32, f32) {
-    let sign = x.to_bits() & SIGN;
-    let magnitude = x.to_bits() ^ sign;
-    // Bit patterns of magnitudes are ordered as the magnitudes are, NaN last.
-    let outside = ((LIMIT_RAD_F32.to_bits().wrapping_sub(magnitude) as i32) >> 31) as u32 & NAN;
-
-    let x = f32::from_bits(magnitude);
-    let shifted = x * FRAC_2_PI + MAGIC_F32;
-    let quadrant = shifted.to_bits();
-    let k = shifted - MAGIC_F32;
-
-    let a = x - k * P1;
-    let b = k * P2;
-    let h = a - b;
-    let h_lost = (a - h) - b;
-    let c = k * P3;
-    let r = h - c;
-    let r_lost = (h - r) - c;
-    let tail = (h_lost + r_lost) - k * P4;
-
-    let (sin, cos) = kernel(r, tail);
-
-    // Odd quadrants swap the two; sin < 0 in 2 and 3, cos < 0 in 1 and 2.
-    let odd = 0_u32.wrapping_sub(quadrant & 1);
-    let swap = (sin.to_bits() ^ cos.to_bits()) & odd;
-    let sin_sign = sign ^ ((quadrant & 2) << 30);
-    let cos_sign = (quadrant.wrapping_add(1) & 2) << 30;
-    (
-        f32::from_bits((sin.to_bits() ^ swap ^ sin_sign) | outside),
-        f32::from_bits((cos.to_bits() ^ swap ^ cos_sign) | outside),
-    )
-}
-
-/// Sine and cosine of `r + tail`, |r| <= π/4 and the tail below an ulp or so of `r`.
-///
-/// The tail enters to first order; the large term of each sum is added last.
-#[inline(always)]
-fn kernel(r: f32, tail: f32) -> (f32, f32) {
-    let z = r * r;
-    let z2 = z * z;
-    let half_z = 0.5 * z;
-    let w = 1.0 - half_z;
-    let sin = r + (z * r * polynomial(&SIN_F32, z, z2) + tail * w);
-    let cos = w + (((1.0 - w) - half_z) + (z2 * polynomial(&COS_F32, z, z2) - r * tail));
-    (sin, cos)
-}
 
 /// `Σ c_i z^i`, the two lower terms first.
 #[inline(always)]
@@ -118,11 +56,13 @@ fn polynomial(c: &[f32; 3], z: f32, z2: f32) -> f32 {
     (c[0] + c[1] * z) + z2 * c[2]
 }
 
+kernel!(f32, u32);
+
 #[cfg(test)]
 mod tests {
     use std::println;
 
-    use super::super::sin_cos;
+    use super::super::double;
     use super::super::tests::{Random, error_ulp_f32};
     use super::*;
 
@@ -133,7 +73,7 @@ mod tests {
     /// functions, which are exact at this scale.
     fn worst(bits: impl Iterator<Item = u32>) -> f64 {
         bits.map(f32::from_bits).fold(0.0, |worst, x| {
-            let (truth, got) = (sin_cos(f64::from(x)), sin_cos_f32(x));
+            let (truth, got) = (double::sin_cos(f64::from(x)), sin_cos(x));
             let (s, c) = (error_ulp_f32(truth.0, got.0), error_ulp_f32(truth.1, got.1));
             worst.max(s).max(c)
         })
@@ -154,7 +94,7 @@ mod tests {
         };
         let two_turns = core::f32::consts::TAU.to_bits();
         assert_accurate("|x| <= 2 pi", worst((0..=two_turns).step_by(step)));
-        let beyond = two_turns..=LIMIT_RAD_F32.to_bits();
+        let beyond = two_turns..=LIMIT_RAD.to_bits();
         assert_accurate("|x| <= 2^10", worst(beyond.step_by(step.min(101))));
     }
 
@@ -176,7 +116,7 @@ mod tests {
             1e-5,
         ] {
             for x in [x, -x] {
-                let (s, c) = sin_cos_f32(x);
+                let (s, c) = sin_cos(x);
                 assert_eq!((s.to_bits(), c.to_bits()), (x.to_bits(), 1.0_f32.to_bits()));
             }
         }
@@ -184,18 +124,18 @@ mod tests {
 
     #[test]
     fn out_of_domain_is_nan() {
-        let past = LIMIT_RAD_F32.to_bits() + 1;
+        let past = LIMIT_RAD.to_bits() + 1;
         let beyond = (past..=i32::MAX as u32).step_by(4099).map(f32::from_bits);
         for x in [f32::from_bits(past), f32::MAX, f32::INFINITY]
             .into_iter()
             .chain(beyond)
         {
             for x in [x, -x] {
-                let (s, c) = sin_cos_f32(x);
+                let (s, c) = sin_cos(x);
                 assert!(s.is_nan() && c.is_nan(), "{x:e} gave {s}, {c}");
             }
         }
-        let (s, c) = sin_cos_f32(-LIMIT_RAD_F32);
+        let (s, c) = sin_cos(-LIMIT_RAD);
         assert!(s.is_finite() && c.is_finite());
     }
 
@@ -204,7 +144,7 @@ mod tests {
         let mut random = Random::new(8);
         for _ in 0..40_000 {
             let x = random.within(1024.0) as f32;
-            let ((s, c), (s_minus, c_minus)) = (sin_cos_f32(x), sin_cos_f32(-x));
+            let ((s, c), (s_minus, c_minus)) = (sin_cos(x), sin_cos(-x));
             assert_eq!((-s).to_bits(), s_minus.to_bits());
             assert_eq!(c.to_bits(), c_minus.to_bits());
             assert!((s * s + c * c - 1.0).abs() <= 4.0 * f32::EPSILON);

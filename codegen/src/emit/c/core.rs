@@ -106,7 +106,13 @@ impl Core {
         let parameters: Vec<String> = parameters.chain(others.iter().cloned()).collect();
         Text {
             parameters: format!("\n    {}", parameters.join(",\n    ")),
-            body: float::core(self, scalar, calls, routine.output()),
+            body: float::body(
+                &self.shared.core,
+                Some(self),
+                scalar,
+                calls,
+                routine.output(),
+            ),
         }
     }
 }

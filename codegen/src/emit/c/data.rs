@@ -9,6 +9,7 @@ use super::{Options, Scalar, columns, fixed, float, number, quoted};
 use crate::facts::Facts;
 use sesc_model::expr::Argument;
 use sesc_model::names;
+use sesc_model::tree::Dof;
 
 /// A public constant.
 #[derive(Debug, Clone, Serialize)]
@@ -16,16 +17,9 @@ pub(super) struct Constant {
     /// What the header says of it.
     brief: String,
     declaration: String,
-    /// Values of an array, or the one of a scalar.
-    values: Vec<Entry>,
+    /// Values of an array, or the one of a scalar, each with what stands behind it.
+    values: Vec<(String, String)>,
     is_array: bool,
-}
-
-#[derive(Debug, Clone, Serialize)]
-struct Entry {
-    value: String,
-    /// Behind the value; empty where there is nothing to say.
-    comment: String,
 }
 
 /// Names of the enumerators that index joints, in the order of `q`.
@@ -41,131 +35,136 @@ pub(super) fn constants(
     name: &str,
 ) -> Vec<Constant> {
     let scalar = options.scalar;
-    let mut constants = vec![total_mass(facts, scalar, name)];
+    // The binary point that a quantity has in fixed point, behind its unit.
+    let scale = |quantity: &str| match scalar {
+        Scalar::Fixed32 => format!(" / 2^{name}_{quantity}_FRACTION_BITS"),
+        _ => String::new(),
+    };
+    let array = |of: &str, stem: &str, length: String, brief: &str, values| Constant {
+        brief: brief.to_string(),
+        declaration: format!("const {of}{name}_{stem}[{length}]"),
+        values,
+        is_array: true,
+    };
+    let strings = |stem: &str, length: &str, brief: &str, texts: Vec<&str>| {
+        let values = texts.into_iter().map(|text| (quoted(text), String::new()));
+        array(
+            "char *const ",
+            stem,
+            format!("{name}_{length}"),
+            brief,
+            values.collect(),
+        )
+    };
+    let real = format!("{name}_real ");
+    let mut constants = vec![total_mass(facts, scalar, name, &scale("TOTAL_MASS"))];
     if facts.dof() > 0 {
-        constants.extend(joints(
-            facts,
-            scalar,
-            array_bits(routines, Argument::Positions),
-            name,
-        ));
+        let joints = facts.dofs.iter().map(|dof| dof.joint.as_str());
+        let brief = "Joints in the order of q.";
+        constants.push(strings("joint_names", "DOF", brief, joints.collect()));
+        let (unit, bits) = (scale("Q"), array_bits(routines, Argument::Positions));
+        for (end, title) in ["Lower", "Upper"].into_iter().enumerate() {
+            let limit = |dof: &Dof| {
+                let without = if dof.continuous {
+                    ", without limits"
+                } else {
+                    ""
+                };
+                let comment = format!("{}{without}", printable(&dof.joint));
+                (inward(dof.limits()[end], end, scalar, bits), comment)
+            };
+            constants.push(array(
+                &real,
+                &format!("joint_{}", title.to_lowercase()),
+                format!("{name}_DOF"),
+                &format!(
+                    "{title} joint limits in the unit of q: rad (m for prismatic joints){unit}; {} \
+                     where a joint has none.",
+                    unlimited(end, scalar)
+                ),
+                facts.dofs.iter().map(limit).collect(),
+            ));
+        }
     }
     if !facts.context.is_empty() {
+        let variables = facts.context.iter().map(|(variable, _)| variable.as_str());
+        let brief = "What effects depend on beside q: time (s), side of approach (-1 to 1), columns of a log.";
         constants.push(strings(
-            name,
             "context_names",
             "CONTEXT",
-            "What effects depend on beside q: time (s), side of approach (-1 to 1), columns of a log.",
-            facts.context.iter().map(|(variable, _)| variable.as_str()),
+            brief,
+            variables.collect(),
         ));
     }
-    constants.extend(parameters(
-        facts,
-        scalar,
-        array_bits(routines, Argument::Parameters),
-        name,
-    ));
-    let information = facts
-        .identified
-        .as_ref()
-        .and_then(|found| found.information.as_ref());
-    constants.extend(
-        information
-            .filter(|_| options.estimator)
-            .map(|factor| information_factor(facts, factor, scalar, name)),
+    let names = facts.param_names();
+    let brief = "Base parameters in the order of r: link and axis.";
+    constants.push(strings("param_names", "BASE_PARAMS", brief, names.clone()));
+    let (unit, bits) = (scale("R"), array_bits(routines, Argument::Parameters));
+    let by_param = |stem: &str, brief: &str, values: &[f64]| {
+        let values = values
+            .iter()
+            .map(|x| number(*x, scalar, bits))
+            .zip(names.iter().map(|name| printable(name)));
+        array(
+            &real,
+            stem,
+            format!("{name}_BASE_PARAMS"),
+            brief,
+            values.collect(),
+        )
+    };
+    let cad = format!("Base parameters from CAD, m{unit}.");
+    constants.push(by_param("cad_params", &cad, &facts.model.cad_params()));
+    let brief = "Largest |r[k]| that ranges and rounding bounds are proven for.";
+    constants.push(by_param("param_limits", brief, &facts.model.param_limits));
+    let Some(identified) = &facts.identified else {
+        return constants;
+    };
+    let brief = format!(
+        "Identified base parameters, m{unit}, from a model file (source: {}).",
+        printable(&identified.source)
     );
+    constants.push(by_param("model_params", &brief, &identified.values));
+    if let Some(factor) = identified
+        .information
+        .as_ref()
+        .filter(|_| options.estimator)
+    {
+        // A parameter's name where its row of the packed triangle begins.
+        let comments = names.iter().enumerate().flat_map(|(i, name)| {
+            let others = names.len() - i - 1;
+            std::iter::once(printable(name)).chain(std::iter::repeat_n(String::new(), others))
+        });
+        let values = factor.iter().map(|x| number(*x, scalar, 0)).zip(comments);
+        let brief = "How well they are known together: R with R'R their inverse covariance, row by row \
+                     from the diagonal on, 1/m.";
+        let length = factor.len().to_string();
+        constants.push(array(
+            &real,
+            "model_information",
+            length,
+            brief,
+            values.collect(),
+        ));
+    }
     constants
 }
 
-/// How well the identified parameters are known: the packed triangle, a parameter's name where
-/// its row begins.
-fn information_factor(facts: &Facts, factor: &[f64], scalar: Scalar, name: &str) -> Constant {
-    let rows = facts.params.iter().enumerate().flat_map(|(i, param)| {
-        let others = facts.params.len() - i - 1;
-        std::iter::once(printable(param.name)).chain(std::iter::repeat_n(String::new(), others))
-    });
-    let values: Vec<Entry> = (factor.iter().zip(rows))
-        .map(|(value, comment)| Entry {
-            value: number(*value, scalar, 0),
-            comment,
-        })
-        .collect();
-    Constant {
-        brief: "How well they are known together: R with R'R their inverse covariance, row by row \
-                from the diagonal on, 1/m."
-            .to_string(),
-        declaration: format!(
-            "const {name}_real {name}_model_information[{}]",
-            values.len()
-        ),
-        values,
-        is_array: true,
-    }
-}
-
-/// The binary point that `quantity` has in fixed point, behind a unit.
-fn scale(scalar: Scalar, name: &str, quantity: &str) -> String {
-    match scalar {
-        Scalar::Fixed32 => format!(" / 2^{name}_{quantity}_FRACTION_BITS"),
-        _ => String::new(),
-    }
-}
-
-fn total_mass(facts: &Facts, scalar: Scalar, name: &str) -> Constant {
-    let mass = facts.total_mass_kg;
-    let unit = scale(scalar, name, "TOTAL_MASS");
+fn total_mass(facts: &Facts, scalar: Scalar, name: &str, scale: &str) -> Constant {
+    let mass = facts.model.total_mass_kg();
     let bits = mass_bits(mass);
+    let comment = match scalar {
+        Scalar::Fixed32 => format!("{mass:?} kg, {bits} bits below the point"),
+        Scalar::F64 | Scalar::F32 => String::new(),
+    };
     Constant {
         brief: format!(
-            "Total mass, kg{unit}: gravity_moments times this and g are N m; a motor applies the opposite."
+            "Total mass, kg{scale}: gravity_moments times this and g are N m; a motor applies the opposite."
         ),
         declaration: format!("const {name}_real {name}_total_mass_kg"),
-        values: vec![Entry {
-            value: number(mass, scalar, bits),
-            comment: match scalar {
-                Scalar::Fixed32 => format!("{mass:?} kg, {bits} bits below the point"),
-                Scalar::F64 | Scalar::F32 => String::new(),
-            },
-        }],
+        values: vec![(number(mass, scalar, bits), comment)],
         is_array: false,
     }
-}
-
-fn joints(facts: &Facts, scalar: Scalar, bits: i32, name: &str) -> [Constant; 3] {
-    let unit = scale(scalar, name, "Q");
-    let ends = ["lower", "upper"];
-    let limits = |end: usize| Constant {
-        brief: format!(
-            "{} joint limits in the unit of q: rad (m for prismatic joints){unit}; {} where a joint has none.",
-            ["Lower", "Upper"][end],
-            unlimited(end, scalar)
-        ),
-        declaration: format!("const {name}_real {name}_joint_{}[{name}_DOF]", ends[end]),
-        values: facts
-            .dofs
-            .iter()
-            .map(|dof| Entry {
-                value: inward(dof.limits()[end], end, scalar, bits),
-                comment: match dof.continuous {
-                    true => format!("{}, without limits", printable(&dof.joint)),
-                    false => printable(&dof.joint),
-                },
-            })
-            .collect(),
-        is_array: true,
-    };
-    let names = facts.dofs.iter().map(|dof| dof.joint.as_str());
-    [
-        strings(
-            name,
-            "joint_names",
-            "DOF",
-            "Joints in the order of q.",
-            names,
-        ),
-        limits(0),
-        limits(1),
-    ]
 }
 
 /// The lower or upper limit of a joint that has none.
@@ -205,69 +204,6 @@ fn inward(limit: f64, end: usize, scalar: Scalar, bits: i32) -> String {
             let round = [libm::ceil, libm::floor][end];
             fixed::literal(round(libm::ldexp(limit, bits)), 0)
         }
-    }
-}
-
-fn parameters(facts: &Facts, scalar: Scalar, bits: i32, name: &str) -> Vec<Constant> {
-    let unit = scale(scalar, name, "R");
-    let array = |array: &str, brief: String, values: &[f64]| Constant {
-        brief,
-        declaration: format!("const {name}_real {name}_{array}[{name}_BASE_PARAMS]"),
-        values: values
-            .iter()
-            .zip(&facts.params)
-            .map(|(value, param)| Entry {
-                value: number(*value, scalar, bits),
-                comment: printable(param.name),
-            })
-            .collect(),
-        is_array: true,
-    };
-    let names = facts.params.iter().map(|param| param.name);
-    let brief = "Base parameters in the order of r: link and axis.";
-    let mut constants = vec![
-        strings(name, "param_names", "BASE_PARAMS", brief, names),
-        array(
-            "cad_params",
-            format!("Base parameters from CAD, m{unit}."),
-            &facts.cad_params(),
-        ),
-        array(
-            "param_limits",
-            "Largest |r[k]| that ranges and rounding bounds are proven for.".to_string(),
-            &facts
-                .params
-                .iter()
-                .map(|param| param.limit)
-                .collect::<Vec<_>>(),
-        ),
-    ];
-    if let Some(identified) = &facts.identified {
-        let brief = format!(
-            "Identified base parameters, m{unit}, from a model file (source: {}).",
-            printable(&identified.source)
-        );
-        constants.push(array("model_params", brief, &identified.values));
-    }
-    constants
-}
-
-fn strings<'a>(
-    name: &str,
-    array: &str,
-    length: &str,
-    brief: &str,
-    strings: impl Iterator<Item = &'a str>,
-) -> Constant {
-    let entry = |text| Entry {
-        value: quoted(text),
-        comment: String::new(),
-    };
-    Constant {
-        brief: brief.to_string(),
-        declaration: format!("const char *const {name}_{array}[{name}_{length}]"),
-        values: strings.map(entry).collect(),
-        is_array: true,
     }
 }
 

@@ -8,7 +8,7 @@
 //! products stay in 32 bits. Binary points come from [`Formats`].
 
 use super::helpers::{Calls, Helper};
-use super::{pair, spelled};
+use super::{pair, spelled, unread};
 use crate::emit::header::printable;
 use crate::emit::listing::{Line, Listing, Results, Strength};
 use sesc_model::bounds::Formats;
@@ -28,12 +28,7 @@ pub(super) fn body(
         formats,
         calls,
     };
-    let mut lines = Vec::new();
-    for array in &program.inputs {
-        if !listing.reads(array.argument) {
-            lines.push(format!("(void){};", spelled(array.argument)));
-        }
-    }
+    let mut lines = unread(&listing);
     for line in &listing.lines {
         match *line {
             Line::Title(title) => lines.push(format!("/* {} */", printable(title))),
@@ -61,29 +56,24 @@ pub(super) fn body(
 
 /// `x` as an integer with `bits` fraction bits.
 pub(super) fn literal(x: f64, bits: i32) -> String {
-    // Formats hold every constant: the cast does not saturate.
-    let whole = libm::rint(libm::ldexp(x, bits)) as i64;
-    format!("{whole}")
+    whole(x, bits).to_string()
 }
 
-/// `x` with `bits` fraction bits as an odd number times a power of two.
-fn odd_part(x: f64, bits: i32) -> (i64, i32) {
-    let whole = libm::rint(libm::ldexp(x, bits)) as i64;
-    match whole {
-        0 => (0, 0),
-        _ => (
-            whole >> whole.trailing_zeros(),
-            whole.trailing_zeros() as i32,
-        ),
-    }
+fn whole(x: f64, bits: i32) -> i64 {
+    // Formats hold every constant: the cast does not saturate.
+    libm::rint(libm::ldexp(x, bits)) as i64
+}
+
+/// `x` with `bits` fraction bits as 1 or -1 times a power of two, if it is.
+fn power_of_two(x: f64, bits: i32) -> Option<(i64, i32)> {
+    let whole = whole(x, bits);
+    let exponent = whole.unsigned_abs().trailing_zeros();
+    (whole.unsigned_abs().is_power_of_two()).then_some((whole.signum(), exponent as i32))
 }
 
 fn number(x: f64, bits: i32) -> (String, Strength) {
-    let strength = if x < 0.0 {
-        Strength::Sign
-    } else {
-        Strength::Atom
-    };
+    let is_negative = x < 0.0;
+    let strength = [Strength::Atom, Strength::Sign][usize::from(is_negative)];
     (literal(x, bits), strength)
 }
 
@@ -98,9 +88,16 @@ struct Spelling<'l, 'p> {
 }
 
 /// One addend of a sum in 64 bits.
-enum Term {
-    Product { negative: bool, factors: [Id; 2] },
-    Single { negative: bool, id: Id },
+struct Term {
+    negative: bool,
+    of: Addend,
+}
+
+#[derive(Clone, Copy)]
+enum Addend {
+    Product(Id, Id),
+    Constant(f64),
+    Value(Id),
 }
 
 impl Spelling<'_, '_> {
@@ -217,59 +214,39 @@ impl Spelling<'_, '_> {
     fn wide(&self, id: Id) -> Option<String> {
         let mut terms = Vec::new();
         self.collect(id, false, true, &mut terms);
-        let bits = |term: &Term| match term {
-            Term::Product {
-                factors: [a, b], ..
-            } => self.formats.of(*a) + self.formats.of(*b),
-            Term::Single { id, .. } => match self.expr(*id) {
-                Expr::Const(_) => 0,
-                _ => self.formats.of(*id),
-            },
+        let bits = |term: &Term| match term.of {
+            Addend::Product(a, b) => self.formats.of(a) + self.formats.of(b),
+            Addend::Constant(_) => 0,
+            Addend::Value(id) => self.formats.of(id),
         };
-        let is_product = |term: &&Term| matches!(term, Term::Product { .. });
+        let is_product = |term: &&Term| matches!(term.of, Addend::Product(..));
         terms.iter().find(is_product)?;
         let common = terms.iter().map(bits).max()?;
-        let size: f64 = terms.iter().map(|term| self.size(term)).sum();
+        let size: f64 = terms.iter().map(|term| self.size(term.of)).sum();
         if libm::ldexp(size, common) >= libm::ldexp(1.0, 62) {
             return None;
         }
         let mut text = String::new();
         for (k, term) in terms.iter().enumerate() {
-            let more = common - bits(term);
-            let (negative, (value, strength)) = match term {
-                Term::Product {
-                    negative,
-                    factors: [a, b],
-                } => {
-                    let product = format!("(int64_t){} * {}", self.operand(*a), self.operand(*b));
-                    let value = match more {
-                        0 => (product, Strength::Product),
-                        _ => self.shift_up(&product, more),
-                    };
-                    (*negative, value)
-                }
-                Term::Single { negative, id } => match self.expr(*id) {
-                    Expr::Const(x) => {
-                        let (mantissa, exponent) = odd_part(x, common);
-                        let value = match (mantissa, exponent) {
-                            (1 | -1, 1..) => self.shift_up(&mantissa.to_string(), exponent),
-                            _ => {
-                                let whole = format!("INT64_C({})", literal(x, common));
-                                (whole, Strength::Atom)
-                            }
-                        };
-                        (*negative, value)
-                    }
-                    _ => {
-                        let operand = self.operand(*id);
-                        let value = match more {
-                            0 => (format!("(int64_t){operand}"), Strength::Sign),
-                            _ => self.shift_up(&operand, more),
-                        };
-                        (*negative, value)
-                    }
-                },
+            let shifted = |text: String, strength| match common - bits(term) {
+                0 => (text, strength),
+                more => self.shift_up(&text, more),
             };
+            let (value, strength) = match term.of {
+                Addend::Product(a, b) => {
+                    let product = format!("(int64_t){} * {}", self.operand(a), self.operand(b));
+                    shifted(product, Strength::Product)
+                }
+                Addend::Constant(x) => match power_of_two(x, common) {
+                    Some((one, exponent @ 1..)) => self.shift_up(&one.to_string(), exponent),
+                    _ => (format!("INT64_C({})", literal(x, common)), Strength::Atom),
+                },
+                Addend::Value(id) if common == bits(term) => {
+                    (format!("(int64_t){}", self.operand(id)), Strength::Sign)
+                }
+                Addend::Value(id) => shifted(self.operand(id), Strength::Sign),
+            };
+            let negative = term.negative;
             text += match (k, negative) {
                 (0, false) => "",
                 (0, true) => "-",
@@ -287,8 +264,8 @@ impl Spelling<'_, '_> {
 
     /// `x` with `bits` fraction bits in 32 bits, where it is no factor.
     fn addend(&self, x: f64, bits: i32) -> (String, Strength) {
-        match odd_part(x, bits) {
-            (one @ (1 | -1), exponent @ SHIFTED..) => {
+        match power_of_two(x, bits) {
+            Some((one, exponent @ SHIFTED..)) => {
                 let (wide, _) = self.shift_up(&one.to_string(), exponent);
                 (format!("(int32_t){wide}"), Strength::Atom)
             }
@@ -315,24 +292,23 @@ impl Spelling<'_, '_> {
                 self.collect(b, !negative, false, terms);
             }
             Expr::Neg(a) if open => self.collect(a, !negative, false, terms),
-            Expr::Mul(a, b) if open => terms.push(Term::Product {
-                negative,
-                factors: [a, b],
-            }),
-            _ => terms.push(Term::Single { negative, id }),
+            expr => {
+                let of = match expr {
+                    Expr::Mul(a, b) if open => Addend::Product(a, b),
+                    Expr::Const(x) => Addend::Constant(x),
+                    _ => Addend::Value(id),
+                };
+                terms.push(Term { negative, of });
+            }
         }
     }
 
-    /// Largest magnitude of a term.
-    fn size(&self, term: &Term) -> f64 {
-        match term {
-            Term::Product {
-                factors: [a, b], ..
-            } => self.formats.size(*a) * self.formats.size(*b),
-            Term::Single { id, .. } => match self.expr(*id) {
-                Expr::Const(x) => libm::fabs(x),
-                _ => self.formats.size(*id),
-            },
+    /// Largest magnitude of an addend.
+    fn size(&self, addend: Addend) -> f64 {
+        match addend {
+            Addend::Product(a, b) => self.formats.size(a) * self.formats.size(b),
+            Addend::Constant(x) => libm::fabs(x),
+            Addend::Value(id) => self.formats.size(id),
         }
     }
 }

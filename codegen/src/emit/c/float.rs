@@ -2,7 +2,7 @@
 
 use super::helpers::{Calls, Helper};
 use super::sines::{self, SinCos, Statement};
-use super::{Scalar, pair, spelled};
+use super::{Scalar, pair, spelled, unread};
 use crate::emit::header::printable;
 use crate::emit::listing::{Line, Listing, Results, Strength};
 use crate::emit::shared::Shared;
@@ -22,42 +22,23 @@ pub(super) struct Turned {
     pub(super) sine_and_cosine: [String; 2],
 }
 
-/// Lines of the body that computes `program` into array `output`.
-pub(super) fn body(program: &Program, scalar: Scalar, calls: &Calls, output: &str) -> Vec<String> {
-    let listing = Listing::new(program, Results::AtTheEnd);
-    let spelling = Spelling {
-        listing: &listing,
-        scalar,
-        calls,
-        shared: None,
-        core: None,
-    };
-    spelling.lines(output)
-}
-
-/// The same of a body that functions of positions and of sines and cosines share.
-pub(super) fn core(core: &Core, scalar: Scalar, calls: &Calls, output: &str) -> Vec<String> {
-    let listing = Listing::new(&core.shared.core, Results::AtTheEnd);
-    let spelling = Spelling {
-        listing: &listing,
-        scalar,
-        calls,
-        shared: None,
-        core: Some(core),
-    };
-    spelling.lines(output)
+/// Lines of the body that computes `program` into array `output`; `core` where functions of
+/// positions and of sines and cosines share it.
+pub(super) fn body(
+    program: &Program,
+    core: Option<&Core>,
+    scalar: Scalar,
+    calls: &Calls,
+    output: &str,
+) -> Vec<String> {
+    let listing = &Listing::new(program, Results::AtTheEnd);
+    let plain = Spelling::new(listing, scalar, calls);
+    Spelling { core, ..plain }.lines(output)
 }
 
 /// A value that takes no statements.
 pub(super) fn value(listing: &Listing, scalar: Scalar, calls: &Calls, id: Id) -> String {
-    let spelling = Spelling {
-        listing,
-        scalar,
-        calls,
-        shared: None,
-        core: None,
-    };
-    spelling.operand(id).0
+    Spelling::new(listing, scalar, calls).operand(id).0
 }
 
 /// The same for a block of postures: entry k of an array stands n postures after entry k - 1.
@@ -67,15 +48,10 @@ pub(super) fn lanes(program: &Program, scalar: Scalar, calls: &Calls, output: &s
         Shape::Matrix { .. } => Results::AsTheyCome,
         Shape::Vector(_) => Results::AtTheEnd,
     };
-    let listing = Listing::new(program, results);
-    let spelling = Spelling {
-        listing: &listing,
-        scalar,
-        calls,
-        shared: Some(shared(program)),
-        core: None,
-    };
-    spelling.lines(output)
+    let listing = &Listing::new(program, results);
+    let shared = Some(shared(program));
+    let plain = Spelling::new(listing, scalar, calls);
+    Spelling { shared, ..plain }.lines(output)
 }
 
 /// Which nodes are the same number in all postures.
@@ -101,7 +77,17 @@ struct Spelling<'l, 'p> {
     core: Option<&'l Core>,
 }
 
-impl Spelling<'_, '_> {
+impl<'l, 'p> Spelling<'l, 'p> {
+    fn new(listing: &'l Listing<'p>, scalar: Scalar, calls: &'l Calls<'l>) -> Self {
+        Spelling {
+            listing,
+            scalar,
+            calls,
+            shared: None,
+            core: None,
+        }
+    }
+
     /// Whether a node has a lane for each posture.
     fn is_lanes(&self, id: Id) -> bool {
         let mut shared = self.shared.iter();
@@ -128,12 +114,7 @@ impl Spelling<'_, '_> {
     fn lines(&self, output: &str) -> Vec<String> {
         let Spelling { listing, calls, .. } = *self;
         let program = listing.program;
-        let mut lines = Vec::new();
-        for array in &program.inputs {
-            if !listing.reads(array.argument) {
-                lines.push(format!("(void){};", spelled(array.argument)));
-            }
-        }
+        let mut lines = unread(listing);
         let statements = match self.shared {
             Some(_) => sines::in_pairs(listing, |id| self.is_lanes(id)),
             None => listing.lines.iter().map(Statement::Line).collect(),
@@ -215,31 +196,31 @@ impl Spelling<'_, '_> {
 
     /// Two angles of a block of postures less quarter turns.
     fn reduced(&self, both: [SinCos; 2]) -> Vec<String> {
-        let names = both.map(|of| self.name_of_reduced(of));
-        let reduced = self.calls.named("reduced");
-        let mut lines: Vec<String> = (names.iter())
-            .map(|name| format!("{reduced} {name};"))
-            .collect();
-        let [first, second] = both.map(|of| self.operand(of.angle).0);
-        let arguments = format!("{first}, {second}, &{}, &{}", names[0], names[1]);
-        lines.push(self.calls.call(Helper::ReduceBoth, &arguments) + ";");
-        lines
+        let reduced = both.map(|of| self.name_of_reduced(of));
+        let angles = both.map(|of| self.operand(of.angle).0);
+        self.of_both(Helper::ReduceBoth, "reduced", &angles, &reduced)
     }
 
     /// Sines and cosines of two angles that are reduced.
     fn both(&self, both: [SinCos; 2]) -> Vec<String> {
-        let lanes = self.calls.named("lanes");
         let results = both.map(|of| pair(self.listing, of.sin, of.cos));
-        let results = results.as_flattened();
-        let mut lines: Vec<String> = (results.iter())
-            .map(|name| format!("{lanes} {name};"))
-            .collect();
-        let reduced = both.map(|of| self.name_of_reduced(of));
-        let arguments: Vec<String> = (reduced.iter().chain(results))
-            .map(|name| format!("&{name}"))
-            .collect();
-        lines.push(self.calls.call(Helper::SincosBoth, &arguments.join(", ")) + ";");
-        lines
+        let reduced = both.map(|of| format!("&{}", self.name_of_reduced(of)));
+        self.of_both(
+            Helper::SincosBoth,
+            "lanes",
+            &reduced,
+            results.as_flattened(),
+        )
+    }
+
+    /// Results of a type, and the call that writes them.
+    fn of_both(&self, helper: Helper, of: &str, from: &[String], to: &[String]) -> Vec<String> {
+        let of = self.calls.named(of);
+        let declared = to.iter().map(|name| format!("{of} {name};"));
+        let places = to.iter().map(|name| format!("&{name}"));
+        let arguments: Vec<String> = from.iter().cloned().chain(places).collect();
+        let call = self.calls.call(helper, &arguments.join(", "));
+        declared.chain([call + ";"]).collect()
     }
 
     /// `reduced_knee` beside `s_knee` and `c_knee`.
@@ -265,6 +246,25 @@ impl Spelling<'_, '_> {
                 false => value,
             }
         };
+        let sum = |sign, a, b| format!("{} {sign} {}", self.addend(a), at(b, Strength::Sign));
+        let product = |sign, a, b| {
+            format!(
+                "{} {sign} {}",
+                at(a, Strength::Product),
+                at(b, Strength::Sign)
+            )
+        };
+        let call = |one, of_lanes, operands: &[Id]| {
+            let operands = operands.iter().copied();
+            let (helper, operands): (Helper, Vec<String>) = match self.is_lanes(id) {
+                true => (of_lanes, operands.map(|id| self.spread(id)).collect()),
+                false => (one, operands.map(|id| at(id, Strength::Sum)).collect()),
+            };
+            (
+                self.calls.call(helper, &operands.join(", ")),
+                Strength::Atom,
+            )
+        };
         let program = self.listing.program;
         // Products inside sums carry parentheses: MISRA C 12.1.
         match program.expr(id) {
@@ -280,51 +280,14 @@ impl Spelling<'_, '_> {
                 (format!("{array}[{index}]"), Strength::Atom)
             }
             // A sum on the right keeps its parentheses: rounding depends on the order.
-            Expr::Add(a, b) => {
-                let (a, b) = (self.addend(a), at(b, Strength::Sign));
-                (format!("{a} + {b}"), Strength::Sum)
-            }
-            Expr::Sub(a, b) => {
-                let (a, b) = (self.addend(a), at(b, Strength::Sign));
-                (format!("{a} - {b}"), Strength::Sum)
-            }
-            Expr::Mul(a, b) => {
-                let (a, b) = (at(a, Strength::Product), at(b, Strength::Sign));
-                (format!("{a} * {b}"), Strength::Product)
-            }
-            Expr::Div(a, b) => {
-                let (a, b) = (at(a, Strength::Product), at(b, Strength::Sign));
-                (format!("{a} / {b}"), Strength::Product)
-            }
+            Expr::Add(a, b) => (sum('+', a, b), Strength::Sum),
+            Expr::Sub(a, b) => (sum('-', a, b), Strength::Sum),
+            Expr::Mul(a, b) => (product('*', a, b), Strength::Product),
+            Expr::Div(a, b) => (product('/', a, b), Strength::Product),
             Expr::Neg(a) => (format!("-{}", at(a, Strength::Atom)), Strength::Sign),
-            Expr::Clamp(a) if self.is_lanes(id) => {
-                let call = self.calls.call(Helper::ClampLanes, &self.spread(a));
-                (call, Strength::Atom)
-            }
-            Expr::Pow(a, b) if self.is_lanes(id) => {
-                let arguments = format!("{}, {}", self.spread(a), self.spread(b));
-                (
-                    self.calls.call(Helper::PowerLanes, &arguments),
-                    Strength::Atom,
-                )
-            }
-            Expr::Max(a, b) => {
-                let (helper, a, b) = match self.is_lanes(id) {
-                    true => (Helper::LargerLanes, self.spread(a), self.spread(b)),
-                    false => (Helper::Larger, at(a, Strength::Sum), at(b, Strength::Sum)),
-                };
-                let call = self.calls.call(helper, &format!("{a}, {b}"));
-                (call, Strength::Atom)
-            }
-            Expr::Clamp(a) => {
-                let call = self.calls.call(Helper::Clamp, &at(a, Strength::Sum));
-                (call, Strength::Atom)
-            }
-            Expr::Pow(a, b) => {
-                let (a, b) = (at(a, Strength::Sum), at(b, Strength::Sum));
-                let call = self.calls.call(Helper::Power, &format!("{a}, {b}"));
-                (call, Strength::Atom)
-            }
+            Expr::Clamp(a) => call(Helper::Clamp, Helper::ClampLanes, &[a]),
+            Expr::Pow(a, b) => call(Helper::Power, Helper::PowerLanes, &[a, b]),
+            Expr::Max(a, b) => call(Helper::Larger, Helper::LargerLanes, &[a, b]),
             Expr::Sin(_) | Expr::Cos(_) => {
                 unreachable!("sines and cosines have statements of their own")
             }

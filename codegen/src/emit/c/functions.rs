@@ -51,6 +51,16 @@ struct Parameter {
 }
 
 impl Parameter {
+    fn input(name: &str, meaning: String, scalar: String, length: Option<String>) -> Parameter {
+        Parameter {
+            direction: "in",
+            name: name.to_string(),
+            meaning,
+            scalar,
+            length,
+        }
+    }
+
     fn declared(&self) -> String {
         match &self.length {
             Some(length) => format!("{} {}[{length}]", self.scalar, self.name),
@@ -84,9 +94,10 @@ pub(super) fn text(
     let body = match (routine.input, &routine.formats) {
         _ if core.is_some() => core::call(routine, name),
         (Input::Ticks, _) => ticks_body(routine, name),
-        (Input::Batch, _) => lanes::body(routine, name, calls),
+        // Around the block, in its template.
+        (Input::Batch, _) => Vec::new(),
         (_, Some(formats)) => fixed::body(&routine.program, formats, calls, output),
-        (_, None) => float::body(&routine.program, scalar, calls, output),
+        (_, None) => float::body(&routine.program, None, scalar, calls, output),
     };
     let parameters = parameters(routine, name);
     let before = routine.name().len() + name.len();
@@ -147,26 +158,21 @@ fn details(facts: &Facts, routine: &Exported) -> Vec<String> {
         details
             .push("From sines and cosines; a prismatic joint passes its position in sin_q.".into());
     }
-    details.push(
-        match (routine.seen, routine.bound.is_finite(), routine.function) {
-            (Some(seen), ..) => format!(
-                "No useful rounding bound is proven, {} is the largest error seen; arrays must not \
-             overlap.",
-                header::bound_of(routine.function, seen)
-            ),
-            (_, true, _) => format!(
-                "Proven rounding error below {}; arrays must not overlap.",
-                header::bound_of(routine.function, routine.bound)
-            ),
-            (_, _, Function::Zmp | Function::CopJacobian) => {
-                "No rounding bound is proven for this robot; arrays must not overlap.".to_string()
-            }
-            (..) => {
-                "Newton's method, unrolled: no rounding bound is proven; arrays must not overlap."
-                    .to_string()
-            }
-        },
-    );
+    let bound = match (routine.seen, routine.function) {
+        (Some(seen), function) => format!(
+            "No useful rounding bound is proven, {} is the largest error seen",
+            header::bound_of(function, seen)
+        ),
+        (_, function) if routine.bound.is_finite() => format!(
+            "Proven rounding error below {}",
+            header::bound_of(function, routine.bound)
+        ),
+        (_, Function::Zmp | Function::CopJacobian) => {
+            "No rounding bound is proven for this robot".to_string()
+        }
+        _ => "Newton's method, unrolled: no rounding bound is proven".to_string(),
+    };
+    details.push(bound + "; arrays must not overlap.");
     details
 }
 
@@ -224,39 +230,32 @@ fn input(routine: &Exported, argument: Argument, name: &str) -> Parameter {
         true => " * n",
         false => "",
     };
-    Parameter {
-        direction: "in",
-        name: spelled(argument).to_string(),
-        meaning: format!("{}, [{entries}{many}]", meaning(argument)),
-        scalar: format!("const {name}_real"),
-        length: Some(match argument {
-            Argument::Reading if !routine.is_batch() => entries,
-            _ => String::new(),
-        }),
-    }
+    let meaning = format!("{}, [{entries}{many}]", meaning(argument));
+    let length = match argument {
+        Argument::Reading if !routine.is_batch() => entries,
+        _ => String::new(),
+    };
+    let scalar = format!("const {name}_real");
+    Parameter::input(spelled(argument), meaning, scalar, Some(length))
 }
 
 fn parameters(routine: &Exported, name: &str) -> Vec<Parameter> {
     let mut parameters = Vec::new();
     if routine.is_batch() {
-        parameters.push(Parameter {
-            direction: "in",
-            name: "n".to_string(),
-            meaning: "number of postures, 0 as well".to_string(),
-            scalar: "size_t".to_string(),
-            length: None,
-        });
+        let meaning = "number of postures, 0 as well".to_string();
+        parameters.push(Parameter::input("n", meaning, "size_t".to_string(), None));
     }
     let mut arguments = routine.arguments();
     if routine.is_of_ticks() {
         arguments.retain(|argument| !angles(*argument));
-        parameters.push(Parameter {
-            direction: "in",
-            name: "ticks".to_string(),
-            meaning: format!("servo ticks, [{name}_DOF], within the joint limits"),
-            scalar: "const int32_t".to_string(),
-            length: Some(String::new()),
-        });
+        let meaning = format!("servo ticks, [{name}_DOF], within the joint limits");
+        let scalar = "const int32_t".to_string();
+        parameters.push(Parameter::input(
+            "ticks",
+            meaning,
+            scalar,
+            Some(String::new()),
+        ));
     }
     let inputs = arguments.into_iter();
     parameters.extend(inputs.map(|argument| input(routine, argument, name)));
@@ -265,12 +264,10 @@ fn parameters(routine: &Exported, name: &str) -> Vec<Parameter> {
         true => (format!("the result, [{entries} * n]"), String::new()),
         false => (format!("the result, [{entries}]"), entries),
     };
+    let output = routine.output();
     parameters.push(Parameter {
         direction: "out",
-        name: routine.output().to_string(),
-        meaning,
-        scalar: format!("{name}_real"),
-        length: Some(length),
+        ..Parameter::input(output, meaning, format!("{name}_real"), Some(length))
     });
     parameters
 }

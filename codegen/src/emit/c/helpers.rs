@@ -2,13 +2,17 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
+use std::fmt::Display;
 
-use minijinja::{Value, context};
+use minijinja::context;
+use minijinja::value::{Serde, Value};
+use serde::Serialize;
 
 use super::Scalar;
 
-/// A function that the source file keeps to itself.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// A function that the source file keeps to itself; its name follows the prefix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub(super) enum Helper {
     /// Sine and cosine of an angle.
     Sincos,
@@ -48,33 +52,6 @@ pub(super) enum Helper {
 }
 
 impl Helper {
-    /// Its name after the prefix.
-    fn name(self) -> &'static str {
-        match self {
-            Helper::Sincos => "sincos",
-            Helper::Turn => "turn",
-            Helper::Lookup => "lookup",
-            Helper::Narrow => "narrow",
-            Helper::ShiftUp => "shift_up",
-            Helper::Add => "add",
-            Helper::Subtract => "subtract",
-            Helper::Clamp => "clamp",
-            Helper::Power => "power",
-            Helper::Larger => "larger",
-            Helper::LargerLanes => "larger_lanes",
-            Helper::Load => "load",
-            Helper::Store => "store",
-            Helper::Splat => "splat",
-            Helper::Gather => "gather",
-            Helper::Scatter => "scatter",
-            Helper::SincosLanes => "sincos_lanes",
-            Helper::ReduceBoth => "reduce_both",
-            Helper::SincosBoth => "sincos_both",
-            Helper::ClampLanes => "clamp_lanes",
-            Helper::PowerLanes => "power_lanes",
-        }
-    }
-
     /// What its own body calls.
     fn calls(self, scalar: Scalar) -> &'static [Helper] {
         match (self, scalar) {
@@ -103,14 +80,19 @@ impl<'n> Calls<'n> {
     }
 
     /// `PREFIX_word`
-    pub(super) fn named(&self, word: &str) -> String {
+    pub(super) fn named(&self, word: impl Display) -> String {
         format!("{}_{word}", self.prefix)
+    }
+
+    /// A template calls it.
+    pub(super) fn needs(&self, helper: Helper) {
+        self.called.borrow_mut().insert(helper);
     }
 
     /// `PREFIX_helper(arguments)`
     pub(super) fn call(&self, helper: Helper, arguments: &str) -> String {
-        self.called.borrow_mut().insert(helper);
-        format!("{}_{}({arguments})", self.prefix, helper.name())
+        self.needs(helper);
+        format!("{}({arguments})", self.named(Value::from(Serde(helper))))
     }
 
     /// The helpers called so far and those that they call, as the templates ask for them.
@@ -118,48 +100,19 @@ impl<'n> Calls<'n> {
         let called = self.called.borrow();
         let more = called.iter().flat_map(|helper| helper.calls(scalar));
         let all: BTreeSet<Helper> = called.iter().chain(more).copied().collect();
-        let has = |helper| all.contains(&helper);
-        let (of, bits, suffix) = match scalar {
+        let (format, bits, suffix) = match scalar {
             Scalar::F64 => ("f64", "uint64_t", ""),
             Scalar::F32 => ("f32", "uint32_t", "f"),
             Scalar::Fixed32 => ("fixed", "", ""),
         };
-        let template = |of_what: &str| format!("{of_what}_{of}.c");
         context! {
-            has_kernel => has(Helper::Sincos),
-            has_turn => has(Helper::Turn),
-            has_table => has(Helper::Lookup),
-            has_narrow => has(Helper::Narrow),
-            has_shift_up => has(Helper::ShiftUp),
-            has_add => has(Helper::Add),
-            has_subtract => has(Helper::Subtract),
-            has_clamp => has(Helper::Clamp),
-            has_power => has(Helper::Power),
-            has_larger => has(Helper::Larger),
-            has_larger_lanes => has(Helper::LargerLanes),
-            has_load => has(Helper::Load),
-            has_store => has(Helper::Store),
-            has_splat => has(Helper::Splat),
-            has_gather => has(Helper::Gather),
-            has_scatter => has(Helper::Scatter),
-            has_sincos_lanes => has(Helper::SincosLanes),
-            has_both_lanes => has(Helper::SincosBoth),
-            has_clamp_lanes => has(Helper::ClampLanes),
-            has_power_lanes => has(Helper::PowerLanes),
-            kernel => template("kernel"),
-            steps => template("steps"),
-            reduction => template("reduction"),
-            series => template("series"),
+            called => Value::from(Serde(all)),
+            format,
+            bits,
+            suffix,
             // The type that sines are computed in, and what ends the names for it.
             of => scalar.c_type(),
             lanes => "",
-            clamp => match scalar {
-                Scalar::Fixed32 => "clamp_fixed.c",
-                Scalar::F64 | Scalar::F32 => "clamp.c",
-            },
-            power => template("power"),
-            bits,
-            suffix,
         }
     }
 }

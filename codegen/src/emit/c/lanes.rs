@@ -40,11 +40,24 @@ pub(super) struct Width {
     lanes: u32,
 }
 
-/// Block and loop of a function.
+/// The block of a function, and what the loop over blocks passes to it.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Block {
-    signature: String,
+    parameters: String,
+    /// The function of one posture.
+    of_one: String,
+    inputs: Vec<Array>,
+    output: &'static str,
+    outputs: usize,
     body: Vec<String>,
+}
+
+/// An array of numbers of each posture, or of one set for all.
+#[derive(Debug, Clone, Serialize)]
+struct Array {
+    name: &'static str,
+    len: usize,
+    is_shared: bool,
 }
 
 /// Widths of blocks, by what the target has; none where no lanes are wanted.
@@ -79,83 +92,38 @@ pub(super) fn widths(options: &Options) -> Result<Vec<Width>, Error> {
 /// The block of postures that `routine` is computed by.
 pub(super) fn block(routine: &Exported, scalar: Scalar, name: &str, calls: &Calls) -> Block {
     let output = routine.output();
+    let array = |argument: Argument, len: usize| {
+        let is_shared = argument == Argument::Parameters;
+        if len > 0 && !is_shared {
+            calls.needs(Helper::Gather);
+        }
+        let name = spelled(argument);
+        Array {
+            name,
+            len,
+            is_shared,
+        }
+    };
+    calls.needs(Helper::Scatter);
     let inputs = routine.program.inputs.iter();
-    let mut parameters = vec!["size_t n".to_string()];
-    parameters
-        .extend(inputs.map(|array| format!("const {name}_real {}[]", spelled(array.argument))));
-    parameters.push(format!("{name}_real {output}[restrict]"));
-    Block {
-        signature: format!("{name}_{}({})", block_name(routine), parameters.join(", ")),
-        body: float::lanes(&routine.program, scalar, calls, output),
-    }
-}
-
-fn block_name(routine: &Exported) -> String {
-    format!("{}_block", of_one(routine).name())
-}
-
-/// The function of one posture.
-fn of_one<'f>(routine: &Exported<'f>) -> Exported<'f> {
-    Exported {
+    let inputs: Vec<Array> = inputs
+        .map(|input| array(input.argument, input.len))
+        .collect();
+    let of_one = Exported {
         input: Input::Program,
         ..routine.clone()
+    };
+    let parameters = inputs.iter();
+    let parameters = parameters.map(|array| format!(", const {name}_real {}[]", array.name));
+    let parameters: String = parameters.collect();
+    Block {
+        parameters: format!("size_t n{parameters}, {name}_real {output}[restrict]"),
+        of_one: of_one.name(),
+        inputs,
+        output,
+        outputs: routine.program.outputs.len(),
+        body: float::lanes(&routine.program, scalar, calls, output),
     }
-}
-
-/// Block after block; posture after posture where there are fewer than lanes.
-pub(super) fn body(routine: &Exported, name: &str, calls: &Calls) -> Vec<String> {
-    let output = routine.output();
-    let outputs = routine.program.outputs.len();
-    let mut lines = vec![format!("if (n < {name}_LANES) {{")];
-    let mut gathers = Vec::new();
-    let (mut one, mut block) = (Vec::new(), vec!["n".to_string()]);
-    for array in &routine.program.inputs {
-        let from = spelled(array.argument);
-        if array.argument == Argument::Parameters {
-            one.push(from.to_string());
-            block.push(from.to_string());
-            continue;
-        }
-        // An array may not be empty.
-        lines.push(format!(
-            "    {name}_real {from}_of_one[{}];",
-            array.len.max(1)
-        ));
-        if array.len > 0 {
-            let arguments = format!("{from}, {}u, n, i, {from}_of_one", array.len);
-            gathers.push(calls.call(Helper::Gather, &arguments) + ";");
-        }
-        one.push(format!("{from}_of_one"));
-        block.push(format!("&{from}[at]"));
-    }
-    one.push(format!("{output}_of_one"));
-    block.push(format!("&{output}[at]"));
-    lines.push(format!("    {name}_real {output}_of_one[{outputs}];"));
-    lines.push("    for (size_t i = 0u; i < n; i += 1u) {".into());
-    lines.extend(gathers.iter().map(|line| format!("        {line}")));
-    lines.push(format!(
-        "        {name}_{}({});",
-        of_one(routine).name(),
-        one.join(", ")
-    ));
-    let arguments = format!("{output}_of_one, {outputs}u, n, i, {output}");
-    let scatter = calls.call(Helper::Scatter, &arguments);
-    lines.push(format!("        {scatter};"));
-    lines.extend(["    }".into(), "} else {".into()]);
-    lines.push(format!(
-        "    for (size_t i = 0u; i < n; i += {name}_LANES) {{"
-    ));
-    lines.push("        /* The last block ends with the last posture. */".into());
-    lines.push(format!(
-        "        const size_t at = ((n - i) < {name}_LANES) ? (n - {name}_LANES) : i;"
-    ));
-    lines.push(format!(
-        "        {name}_{}({});",
-        block_name(routine),
-        block.join(", ")
-    ));
-    lines.extend(["    }".into(), "}".into()]);
-    lines
 }
 
 #[cfg(test)]

@@ -77,6 +77,12 @@ impl Layout {
 /// Longest name of a robot or link in a description, so that it stays a sentence.
 const LONGEST_WORD: usize = 60;
 
+macro_rules! template {
+    ($path:literal) => {
+        include_str!(concat!("templates/layout/", $path))
+    };
+}
+
 /// The files of `package`, generated as `name`: paths within its folder, and texts.
 ///
 /// # Errors
@@ -96,64 +102,50 @@ pub fn files(
         }
         .into());
     }
-    let (headers, sources) = match layout {
-        Layout::Bare => ("", ""),
-        Layout::Cmake | Layout::PlatformIo => ("include/", "src/"),
-        Layout::Arduino => ("src/", "src/"),
-    };
-    let around: &[(&str, &str)] = match layout {
-        Layout::Bare => &[],
-        Layout::Cmake => &[
-            (
-                "CMakeLists.txt",
-                include_str!("templates/layout/cmake/CMakeLists.txt"),
-            ),
-            (
-                "{name}.pc.in",
-                include_str!("templates/layout/cmake/package.pc.in"),
-            ),
-            (
-                "README.md",
-                include_str!("templates/layout/cmake/README.md"),
-            ),
-        ],
-        Layout::PlatformIo => &[
-            (
-                "library.json",
-                include_str!("templates/layout/platformio/library.json"),
-            ),
-            (
-                "README.md",
-                include_str!("templates/layout/platformio/README.md"),
-            ),
-        ],
-        Layout::Arduino => &[
-            (
-                "library.properties",
-                include_str!("templates/layout/arduino/library.properties"),
-            ),
-            (
-                "examples/{name}_basic/{name}_basic.ino",
-                include_str!("templates/layout/arduino/basic.ino"),
-            ),
-            (
-                "README.md",
-                include_str!("templates/layout/arduino/README.md"),
-            ),
-        ],
+    let ([headers, sources], around): ([&str; 2], &[(&str, &str)]) = match layout {
+        Layout::Bare => (["", ""], &[]),
+        Layout::Cmake => (
+            ["include/", "src/"],
+            &[
+                ("CMakeLists.txt", template!("cmake/CMakeLists.txt")),
+                ("{name}.pc.in", template!("cmake/package.pc.in")),
+                ("README.md", template!("cmake/README.md")),
+            ],
+        ),
+        Layout::PlatformIo => (
+            ["include/", "src/"],
+            &[
+                ("library.json", template!("platformio/library.json")),
+                ("README.md", template!("platformio/README.md")),
+            ],
+        ),
+        Layout::Arduino => (
+            ["src/", "src/"],
+            &[
+                (
+                    "library.properties",
+                    template!("arduino/library.properties"),
+                ),
+                (
+                    "examples/{name}_basic/{name}_basic.ino",
+                    template!("arduino/basic.ino"),
+                ),
+                ("README.md", template!("arduino/README.md")),
+            ],
+        ),
     };
     let texts = texts(facts, name, options)?;
     let mut files = vec![
-        (format!("{headers}{name}.h"), package.header),
-        (format!("{sources}{name}.c"), package.source),
+        (format!("{headers}{name}.h").into(), package.header),
+        (format!("{sources}{name}.c").into(), package.source),
     ];
     for (path, template) in around {
-        files.push((path.replace("{name}", name), render(template, &texts)?));
+        files.push((
+            path.replace("{name}", name).into(),
+            render(template, &texts)?,
+        ));
     }
-    Ok(files
-        .into_iter()
-        .map(|(path, text)| (PathBuf::from(path), text))
-        .collect())
+    Ok(files)
 }
 
 /// What templates read.
@@ -163,7 +155,7 @@ fn texts(facts: &Facts, name: &str, options: &Options) -> Result<Value, Error> {
         version => env!("CARGO_PKG_VERSION"),
         robot => word(facts.robot),
         support => word(facts.support),
-        hash => facts.hash,
+        hash => &*facts.model.tree.hash,
         dof => facts.dof(),
         scalar => match options.scalar {
             Scalar::F64 => "f64",
@@ -184,7 +176,7 @@ fn texts(facts: &Facts, name: &str, options: &Options) -> Result<Value, Error> {
             None => "cad_params",
         },
     };
-    let description = render(include_str!("templates/layout/description.txt"), &texts)?;
+    let description = render(template!("description.txt"), &texts)?;
     Ok(context! { description => description.trim_end(), ..texts })
 }
 
@@ -194,13 +186,10 @@ fn render(template: &str, texts: &Value) -> Result<String, Error> {
     environment.add_filter("pkg_config", pkg_config);
     environment.add_filter("code", code);
     environment
-        .add_template("call.c", include_str!("templates/layout/call.c"))
+        .add_template("call.c", template!("call.c"))
         .and_then(|()| environment.render_str(template, texts))
         .map(|text| text + "\n")
-        .map_err(|error| {
-            let reason = format!("{error:#}");
-            Problem::Emitted { reason }.into()
-        })
+        .map_err(super::emitted)
 }
 
 /// A name on one line, and not the whole of a very long one.
@@ -214,14 +203,11 @@ fn word(name: &str) -> String {
 
 /// Inside a quoted argument of CMake.
 fn cmake(text: &str) -> String {
-    let mut quoted = String::new();
-    for c in text.chars() {
-        if matches!(c, '"' | '\\' | '$') {
-            quoted.push('\\');
-        }
-        quoted.push(c);
-    }
-    quoted
+    let special = |c| matches!(c, '"' | '\\' | '$');
+    let quoted = text
+        .chars()
+        .flat_map(|c| special(c).then_some('\\').into_iter().chain([c]));
+    quoted.collect()
 }
 
 /// On a line of a pkg-config file. pkg-config and pkgconf agree on no way to
@@ -263,7 +249,8 @@ mod tests {
         for layout in [Layout::Cmake, Layout::Arduino] {
             for name in layout.taken() {
                 assert_eq!(*name, name.to_lowercase());
-                assert!(super::super::is_prefix(&format!("{name}_robot")), "{name}");
+                let suggested = format!("{name}_robot");
+                assert!(super::super::PREFIX.check(&suggested).is_ok(), "{name}");
             }
         }
     }

@@ -26,20 +26,20 @@ mod sines;
 mod spelling;
 mod ticks;
 
-use minijinja::value::{Serde, Value};
+use minijinja::value::{Serde, Value, merge_maps};
 use minijinja::{Environment, context};
 use serde::Serialize;
 
 use crate::Error;
-use crate::emit::names;
 use crate::error::Problem;
 use crate::facts::Facts;
 use helpers::Calls;
-pub use prefix::{is_prefix, suggest, whole};
+pub(crate) use prefix::PREFIX;
+pub use prefix::suggest;
 pub use servos::{Scale, Servo, Servos, Setting};
 use sesc_model::bounds::Precision;
 use sesc_model::{Function, hash};
-use spelling::{number, pair, quoted, spelled};
+use spelling::{number, pair, quoted, spelled, unread};
 
 /// Arithmetic of the generated C.
 ///
@@ -123,14 +123,7 @@ pub struct Package {
 /// fit 32-bit fixed point, the estimator or lanes are wanted there, there are not 4, 8 or 16
 /// lanes, or the estimator is wanted without the rows that it calls.
 pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, Error> {
-    names::check_length(name, suggest(name))?;
-    if !is_prefix(name) {
-        return Err(Problem::BadPrefix {
-            name: name.to_string(),
-            suggestion: suggest(name),
-        }
-        .into());
-    }
+    PREFIX.check(name)?;
     let mut notes = Vec::new();
     let registers = lanes::widths(options)?;
     let ticks = ticks::Ticks::of(facts, options, &mut notes)?;
@@ -143,8 +136,7 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
     let from_ticks = ticks
         .as_ref()
         .map(|ticks| ticks.text(facts.dofs, name, &routines, &calls));
-    let (selftest, results) =
-        selftest::checks(facts, options.scalar, &routines, name, ticks.as_ref());
+    let selftest = selftest::texts(facts, options.scalar, &routines, name, ticks.as_ref());
     let has = |function| routines.iter().any(|routine| routine.function == function);
     if options.estimator && !has(Function::RegressorCop) {
         return Err(Problem::EstimatorWithoutRows.into());
@@ -172,24 +164,19 @@ pub fn package(facts: &Facts, name: &str, options: &Options) -> Result<Package, 
         },
         real => options.scalar.c_type(),
         dof => facts.dof(),
-        base_params => facts.params.len(),
-        full_params => facts.full_params,
+        base_params => facts.model.base.params.len(),
+        full_params => facts.model.chain.full_params,
         context => facts.context.len(),
-        points => listed(points::points(&routines, facts.total_mass_kg)),
+        points => listed(points::points(&routines, facts.model.total_mass_kg())),
         joints => data::enumerators(facts),
         constants => listed(data::constants(facts, options, &routines, name)),
-        estimator => Value::from(estimator),
+        estimator => estimator,
         ticks => ticks.as_ref().map(|ticks| ticks.convention(facts.dofs)),
         ticks_beyond => ticks.as_ref().map(|ticks| ticks.beyond(facts.dofs)),
         functions => listed(functions),
         quarter => data::quarter(options.scalar),
         from_ticks => Value::from(Serde(from_ticks)),
-        selftest_weights => selftest::weights(&selftest, options.scalar),
-        selftest_rounding => selftest::weight_of_rounding(&selftest),
-        eighth_of_ulp => selftest::eighth_of_ulp(options.scalar),
-        selftest => listed(selftest),
-        selftest_results => listed(results),
-        ..calls.texts(options.scalar)
+        ..merge_maps([selftest, calls.texts(options.scalar)])
     };
     let [header, source] = paired([render("package.h", &texts)?, render("package.c", &texts)?]);
     Ok(Package {
@@ -214,14 +201,16 @@ fn paired(texts: [String; 2]) -> [String; 2] {
 
 /// A template of this crate, filled in.
 fn render(template: &str, texts: &Value) -> Result<String, Error> {
-    environment()
-        .get_template(template)
-        .and_then(|template| template.render(texts))
-        .map(|text| columns::fitted(&text))
-        .map_err(|error| {
-            let reason = format!("{error:#}");
-            Problem::Emitted { reason }.into()
-        })
+    let environment = environment();
+    let template = environment.get_template(template);
+    let text = template.and_then(|template| template.render(texts));
+    text.map(|text| columns::fitted(&text)).map_err(emitted)
+}
+
+/// A template that does not render.
+fn emitted(error: minijinja::Error) -> Error {
+    let reason = format!("{error:#}");
+    Problem::Emitted { reason }.into()
 }
 
 /// A list as a template reads it.
@@ -237,28 +226,22 @@ fn environment() -> Environment<'static> {
     for (name, text) in [
         ("package.h", include_str!("templates/package.h")),
         ("package.c", include_str!("templates/package.c")),
+        ("batch.c", include_str!("templates/batch.c")),
         ("estimator.h", include_str!("templates/estimator.h")),
         ("estimator.c", include_str!("templates/estimator.c")),
         ("includes.c", include_str!("templates/includes.c")),
         ("helpers.c", include_str!("templates/helpers.c")),
-        ("narrow.c", include_str!("templates/narrow.c")),
-        ("shift_up.c", include_str!("templates/shift_up.c")),
-        ("wrapping.c", include_str!("templates/wrapping.c")),
         ("table.c", include_str!("templates/table.c")),
         ("lanes.c", include_str!("templates/lanes.c")),
         ("kernel_lanes.c", include_str!("templates/kernel_lanes.c")),
-        ("steps_f64.c", include_str!("templates/steps_f64.c")),
-        ("steps_f32.c", include_str!("templates/steps_f32.c")),
+        ("kernel_float.c", include_str!("templates/kernel_float.c")),
+        ("kernel_fixed.c", include_str!("templates/kernel_fixed.c")),
+        ("steps.c", include_str!("templates/steps.c")),
         ("reduction_f64.c", include_str!("templates/reduction_f64.c")),
         ("reduction_f32.c", include_str!("templates/reduction_f32.c")),
         ("series_f64.c", include_str!("templates/series_f64.c")),
         ("series_f32.c", include_str!("templates/series_f32.c")),
-        ("kernel_f64.c", include_str!("templates/kernel_f64.c")),
-        ("kernel_f32.c", include_str!("templates/kernel_f32.c")),
-        ("kernel_fixed.c", include_str!("templates/kernel_fixed.c")),
         ("bits.c", include_str!("templates/bits.c")),
-        ("clamp.c", include_str!("templates/clamp.c")),
-        ("clamp_fixed.c", include_str!("templates/clamp_fixed.c")),
         ("power_f64.c", include_str!("templates/power_f64.c")),
         ("power_f32.c", include_str!("templates/power_f32.c")),
         ("selftest.c", include_str!("templates/selftest.c")),

@@ -1,7 +1,7 @@
 //! What the names of a package may begin with.
 
-use crate::emit::names::{self, LONGEST};
-use sesc_model::names::cut;
+use crate::emit::names::{self, Naming};
+use crate::error::Problem;
 
 /// Headers of the C library: a file of that name would stand in their way.
 const HEADERS: [&str; 24] = [
@@ -10,38 +10,28 @@ const HEADERS: [&str; 24] = [
     "stdlib", "string", "tgmath", "time", "wchar", "wctype",
 ];
 
-/// Whether `name` serves as a prefix of C and C++ names, and of files.
+/// Prefixes of C and C++ names, and of files.
 ///
 /// Symbols are as long as they come out: compilers and linkers tell them apart by all of their
 /// characters, as macros of joints already need.
-pub fn is_prefix(name: &str) -> bool {
-    name.len() <= LONGEST && is_spelled(name)
-}
+pub(crate) const PREFIX: Naming = Naming {
+    word: |name| {
+        let mut word = names::module(name);
+        while word.contains("__") {
+            word = word.replace("__", "_");
+        }
+        word
+    },
+    is_spelled: |name| {
+        names::is_identifier(name)
+            && !name.contains("__")
+            && !name.ends_with('_')
+            && !HEADERS.contains(&name.to_lowercase().as_str())
+    },
+    refused: |name, suggestion| Problem::BadPrefix { name, suggestion },
+};
 
-/// Whether `name` is a prefix but for its length.
-fn is_spelled(name: &str) -> bool {
-    name.starts_with(|c: char| c.is_ascii_alphabetic())
-        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-        && !name.contains("__")
-        && !name.ends_with('_')
-        && !names::is_device(name)
-        && !HEADERS.contains(&name.to_lowercase().as_str())
-}
-
-/// The prefix of what is called `name`, whole however long it is: a part of it might be that of
-/// another robot or support.
-pub fn whole(name: &str) -> String {
-    let mut word = names::module(name);
-    while word.contains("__") {
-        word = word.replace("__", "_");
-    }
-    match is_spelled(&word) {
-        true => word,
-        false => format!("{word}_robot"),
-    }
-}
-
-/// A name like `name` that serves.
+/// A prefix like `name` that serves.
 pub fn suggest(name: &str) -> String {
-    cut(&whole(name), LONGEST)
+    PREFIX.suggest(name)
 }

@@ -153,7 +153,8 @@ fn too_large(facts: &Facts, function: Function, overflow: &Overflow) -> Problem 
     Problem::Overflow {
         reason: format!(
             "{quantity} may reach {:.3e}; {what} (the robot reaches {:.3e} m)",
-            overflow.size, facts.reach_m
+            overflow.size,
+            facts.model.reach()
         ),
     }
 }

@@ -1,11 +1,13 @@
 //! The self-test that firmware runs at boot: a posture whose results the
 //! generator computed in another way.
 
+use minijinja::context;
+use minijinja::value::Value;
 use serde::Serialize;
 
-use super::exported::{Exported, array_bits};
+use super::exported::{Exported, Input, array_bits};
 use super::ticks::Ticks;
-use super::{Scalar, number};
+use super::{Scalar, listed, number};
 use crate::facts::Facts;
 use crate::routines::{Routine, takes_context};
 use sesc_model::expr::Argument;
@@ -14,13 +16,6 @@ use sesc_model::{Function, Given};
 
 /// Errors that only a defect makes, m: in f64, in f32.
 const LOOSE: [f64; 2] = [1e-9, 1e-4];
-
-/// A result array of the self-test.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct ResultArray {
-    name: &'static str,
-    length: String,
-}
 
 /// One comparison.
 #[derive(Debug, Clone, Serialize)]
@@ -44,202 +39,159 @@ struct Constant {
     values: Vec<String>,
 }
 
-/// Which function a comparison calls.
-#[derive(Debug, Clone, Copy)]
-struct Wanted {
-    function: Function,
-    of_ticks: bool,
-    /// With the parameters of the model file in it.
-    baked: bool,
-}
+/// A function, with what it must give: what callers pass, whether the parameters of the model file
+/// are in it, and how far the expectation may be off.
+type Expectation = (Function, Input, bool, Vec<f64>, f64);
 
-impl Wanted {
-    fn is(self, routine: &Exported) -> bool {
-        routine.function == self.function
-            && routine.is_of_ticks() == self.of_ticks
-            && routine.baked == self.baked
-            && !routine.is_batch()
-            && (self.of_ticks || routine.given == Given::Positions)
+/// What the functions that are there must give.
+fn expectations(facts: &Facts, ticks: Option<&[f64]>) -> Vec<Expectation> {
+    let test = &facts.self_test;
+    let effects = facts.has_static_effects();
+    let of = |function, baked, expected| (function, Input::Program, baked, expected, 0.0);
+    let cop = match effects {
+        false => test.com[..2].to_vec(),
+        true => by_tape(facts, Function::Cop, &facts.model.cad_params()),
+    };
+    let moments = (test.moments.clone(), test.moments_error);
+    let mut all = vec![
+        of(Function::Com, false, test.com.to_vec()),
+        of(Function::Cop, false, cop),
+        (
+            Function::GravityMoments,
+            Input::Program,
+            false,
+            moments.0,
+            moments.1,
+        ),
+    ];
+    all.extend(ticks.map(|posture| {
+        let com = facts.model.expected_com(posture).to_vec();
+        (Function::Com, Input::Ticks, false, com, 0.0)
+    }));
+    if let Some(identified) = &facts.identified {
+        let functions = [Function::Com, Function::Cop].into_iter();
+        all.extend(
+            functions
+                .take(1 + usize::from(effects))
+                .map(|function| of(function, true, by_tape(facts, function, &identified.values))),
+        );
     }
+    all.push(of(Function::CorrectCop, false, test.cop.to_vec()));
+    all
 }
 
-/// What the return value is a sum of.
-pub(super) fn weights(checks: &[Check], scalar: Scalar) -> String {
-    let weights = checks
-        .iter()
-        .map(|check| format!("{} ({})", check.weight, check.stem));
-    let mut weights: Vec<String> = weights.collect();
-    if scalar != Scalar::Fixed32 {
-        let rounding = weight_of_rounding(checks);
-        weights.push(format!("{rounding} (sums are not rounded to nearest)"));
-    }
-    weights.join(", ")
-}
-
-/// What the self-test adds where the processor rounds otherwise than to nearest.
-pub(super) fn weight_of_rounding(checks: &[Check]) -> u32 {
-    1 << checks.len()
-}
-
-/// An eighth of the distance between 1 and the next number: to nearest, 1 with it or without it
-/// is 1, and in every other mode one of the two is not.
-pub(super) fn eighth_of_ulp(scalar: Scalar) -> String {
-    number(
-        scalar
-            .precision()
-            .map_or(0.0, |precision| precision.unit() / 4.0),
-        scalar,
-        0,
-    )
-}
-
-/// Comparisons of the functions that are there, and the arrays they write to.
-pub(super) fn checks(
+/// Comparisons of the functions that are there, and the arrays they write to, as the templates
+/// ask for them.
+pub(super) fn texts(
     facts: &Facts,
     scalar: Scalar,
     routines: &[Exported],
     name: &str,
     ticks: Option<&Ticks>,
-) -> (Vec<Check>, Vec<ResultArray>) {
+) -> Value {
     let test = &facts.self_test;
-    let posture = &test.posture;
-    // An array may not be empty: a robot without joints gets what is at hand.
-    let any = format!("{name}_cad_params");
-    let positions = if posture.is_empty() {
-        any.as_str()
-    } else {
-        "q"
+    let real = format!("{name}_real");
+    let array = |of: &str, name: String, values| Constant {
+        scalar: of.to_string(),
+        name,
+        values,
     };
-    let q = (!posture.is_empty()).then(|| Constant {
-        scalar: format!("{name}_real"),
-        name: "q".into(),
-        values: in_format(posture, scalar, array_bits(routines, Argument::Positions)),
-    });
-    let mut checks = Vec::new();
-    let mut push = |wanted: Wanted, expected: &[f64], mut arrays: Vec<Constant>, slack: f64| {
-        let Some(routine) = routines.iter().find(|routine| wanted.is(routine)) else {
-            return;
+    let numbers = |name: &str, values: &[f64], bits| {
+        let values = values.iter().map(|x| number(*x, scalar, bits));
+        array(&real, name.to_string(), values.collect())
+    };
+    // An array may not be empty: a robot without joints gets what is at hand.
+    let is_empty = test.posture.is_empty();
+    let positions = if is_empty {
+        format!("{name}_cad_params")
+    } else {
+        "q".to_string()
+    };
+    let ticks = ticks.map(|ticks| nearest(ticks, &test.posture));
+    let (ticks, at) = ticks.unzip();
+    let mut checks: Vec<Check> = Vec::new();
+    for (function, input, baked, expected, slack) in expectations(facts, at.as_deref()) {
+        let is_it = |routine: &&Exported| {
+            (routine.function, routine.input, routine.baked) == (function, input, baked)
+                && (input == Input::Ticks || routine.given == Given::Positions)
+        };
+        let Some(routine) = routines.iter().find(is_it) else {
+            continue;
         };
         let stem = routine.name();
         let bits = routine.formats.as_ref().map_or(0, |formats| formats.output);
-        let got = routine.output();
-        let label = format!("expected_{stem}");
-        let tolerance = tolerance(routine, scalar, expected, slack);
-        arrays.push(Constant {
-            scalar: format!("{name}_real"),
-            name: label.clone(),
-            values: in_format(expected, scalar, bits),
-        });
-        let argument = match routine.function {
-            Function::CorrectCop => "reading",
-            _ if routine.is_of_ticks() => "ticks",
-            _ => positions,
-        };
-        let context = match takes_context(&routine.program) {
-            true => {
-                let usual: Vec<f64> = facts.context.iter().map(|(_, usual)| *usual).collect();
-                let bits = array_bits(routines, Argument::Context);
-                arrays.push(Constant {
-                    scalar: format!("{name}_real"),
-                    name: format!("context_{stem}"),
-                    values: in_format(&usual, scalar, bits),
-                });
-                format!("context_{stem}, ")
+        let bits_of = |argument| array_bits(routines, argument);
+        let (argument, mut arrays) = match (function, input) {
+            (Function::CorrectCop, _) => {
+                let bits = bits_of(Argument::Reading);
+                ("reading", vec![numbers("reading", &test.reading, bits)])
             }
-            false => String::new(),
+            (_, Input::Ticks) => {
+                let values = ticks.iter().flatten().map(i32::to_string);
+                (
+                    "ticks",
+                    vec![array("int32_t", "ticks".into(), values.collect())],
+                )
+            }
+            // The first of all.
+            _ if checks.is_empty() && !is_empty => {
+                let bits = bits_of(Argument::Positions);
+                ("q", vec![numbers("q", &test.posture, bits)])
+            }
+            _ => (&*positions, Vec::new()),
         };
-        let r = match routine.takes_parameters() {
-            true => format!("{name}_cad_params, "),
-            false => String::new(),
-        };
+        let label = format!("expected_{stem}");
+        arrays.push(numbers(&label, &expected, bits));
+        let mut passed = format!("{argument}, ");
+        if routine.takes_parameters() {
+            passed += &format!("{name}_cad_params, ");
+        }
+        if takes_context(&routine.program) {
+            let usual: Vec<f64> = facts.context.iter().map(|(_, usual)| *usual).collect();
+            let context = format!("context_{stem}");
+            arrays.push(numbers(&context, &usual, bits_of(Argument::Context)));
+            passed += &format!("{context}, ");
+        }
+        let got = routine.output();
+        let tolerance = tolerance(routine, scalar, &expected, slack);
         checks.push(Check {
             arrays,
-            call: format!("{name}_{stem}({argument}, {r}{context}{got});"),
+            call: format!("{name}_{stem}({passed}{got});"),
             got,
             expected: label,
             count: expected.len(),
             tolerance: number(tolerance, scalar, bits),
-            weight: 0,
+            weight: 1 << checks.len(),
             stem,
         });
-    };
-    let wanted = |function| Wanted {
-        function,
-        of_ticks: false,
-        baked: false,
-    };
-    push(
-        wanted(Function::Com),
-        &test.com,
-        q.into_iter().collect(),
-        0.0,
-    );
-    let effects = facts.has_static_effects();
-    match effects {
-        false => push(wanted(Function::Cop), &test.com[..2], Vec::new(), 0.0),
-        true => {
-            let expected = by_tape(facts, Function::Cop, &facts.cad_params());
-            push(wanted(Function::Cop), &expected, Vec::new(), 0.0);
-        }
-    }
-    push(
-        wanted(Function::GravityMoments),
-        &test.moments,
-        Vec::new(),
-        test.moments_error,
-    );
-    if let Some(ticks) = ticks {
-        let (values, posture) = nearest(ticks, posture);
-        let com = test.com_at(&posture);
-        let array = Constant {
-            scalar: "int32_t".into(),
-            name: "ticks".into(),
-            values: values.iter().map(i32::to_string).collect(),
-        };
-        let com_of_ticks = Wanted {
-            of_ticks: true,
-            ..wanted(Function::Com)
-        };
-        push(com_of_ticks, &com, vec![array], 0.0);
-    }
-    if let Some(identified) = &facts.identified {
-        let functions = [Function::Com, Function::Cop];
-        for function in functions.into_iter().take(1 + usize::from(effects)) {
-            let baked = Wanted {
-                baked: true,
-                ..wanted(function)
-            };
-            let expected = by_tape(facts, function, &identified.values);
-            push(baked, &expected, Vec::new(), 0.0);
-        }
-    }
-    let reading = Constant {
-        scalar: format!("{name}_real"),
-        name: "reading".into(),
-        values: in_format(
-            &test.reading,
-            scalar,
-            array_bits(routines, Argument::Reading),
-        ),
-    };
-    push(wanted(Function::CorrectCop), &test.cop, vec![reading], 0.0);
-    for (k, check) in checks.iter_mut().enumerate() {
-        check.weight = 1 << k;
     }
     let dof = format!("{name}_DOF");
-    let arrays = [("com", "3"), ("cop", "2"), ("moments", &dof)];
+    let results = [("com", "3"), ("cop", "2"), ("moments", &dof)];
     let is_written = |array: &str| checks.iter().any(|check| check.got == array);
-    let written = arrays.into_iter().filter(|(array, _)| is_written(array));
-    let results = written.map(|(name, length)| ResultArray {
-        name,
-        length: length.to_string(),
-    });
-    let results = results.collect();
-    (checks, results)
-}
-
-fn in_format(values: &[f64], scalar: Scalar, bits: i32) -> Vec<String> {
-    values.iter().map(|x| number(*x, scalar, bits)).collect()
+    let results = results.into_iter().filter(|(array, _)| is_written(array));
+    let results = results.map(|(name, length)| (name.to_string(), length.to_string()));
+    let results: Vec<(String, String)> = results.collect();
+    // What the self-test adds where the processor rounds otherwise than to nearest.
+    let rounding = 1 << checks.len();
+    let weights = checks.iter();
+    let mut weights: Vec<String> = weights
+        .map(|check| format!("{} ({})", check.weight, check.stem))
+        .collect();
+    if scalar != Scalar::Fixed32 {
+        weights.push(format!("{rounding} (sums are not rounded to nearest)"));
+    }
+    // An eighth of the distance between 1 and the next number: to nearest, 1 with it or without
+    // it is 1, and in every other mode one of the two is not.
+    let eighth = scalar
+        .precision()
+        .map_or(0.0, |precision| precision.unit() / 4.0);
+    context! {
+        selftest_weights => weights.join(", "),
+        selftest_rounding => rounding,
+        eighth_of_ulp => number(eighth, scalar, 0),
+        selftest => listed(checks),
+        selftest_results => listed(results),
+    }
 }
 
 /// The proven bound, and the rounding of what is expected.

@@ -173,8 +173,20 @@ impl Servos {
         joints: impl Iterator<Item = (&'j str, bool)>,
     ) -> Result<Vec<(String, Servo)>, Error> {
         let joints: Vec<(&str, bool)> = joints.collect();
-        let names: Vec<&str> = joints.iter().map(|joint| joint.0).collect();
-        self.check_names(&names)?;
+        let names = || joints.iter().map(|joint| joint.0);
+        if let Some(stray) = self
+            .joints
+            .keys()
+            .find(|name| !names().any(|own| own == *name))
+        {
+            let meant = suggestion(stray, names());
+            let reason = format!(
+                "no joint `{}` to set a servo of; the robot has {}{meant}",
+                shortened(&visible(stray), NAME),
+                listed(names().map(|joint| shortened(joint, NAME)), NAMED)
+            );
+            return Err(Problem::Servos { reason }.into());
+        }
         let mut servos = Vec::new();
         for (joint, prismatic) in joints {
             let servo = self.servo(joint, prismatic)?;
@@ -185,28 +197,9 @@ impl Servos {
 
     /// The servo of each joint; `None` when a prismatic joint has no stroke per tick.
     pub(super) fn of_dofs(&self, dofs: &[Dof]) -> Result<Option<Vec<Servo>>, Error> {
-        let joints: Vec<&str> = dofs.iter().map(|dof| dof.joint.as_str()).collect();
-        self.check_names(&joints)?;
-        let servos = dofs.iter();
-        servos
-            .map(|dof| self.servo(&dof.joint, dof.prismatic))
-            .collect()
-    }
-
-    fn check_names(&self, joints: &[&str]) -> Result<(), Error> {
-        let known = |name: &String| joints.contains(&name.as_str());
-        if let Some(stray) = self.joints.keys().find(|name| !known(name)) {
-            let meant = suggestion(stray, joints.iter().copied());
-            return Err(Problem::Servos {
-                reason: format!(
-                    "no joint `{}` to set a servo of; the robot has {}{meant}",
-                    shortened(&visible(stray), NAME),
-                    listed(joints.iter().map(|joint| shortened(joint, NAME)), NAMED)
-                ),
-            }
-            .into());
-        }
-        Ok(())
+        let joints = dofs.iter().map(|dof| (dof.joint.as_str(), dof.prismatic));
+        let servos = self.of(joints)?.into_iter().map(|(_, servo)| servo);
+        Ok((servos.len() == dofs.len()).then(|| servos.collect()))
     }
 
     fn servo(&self, joint: &str, prismatic: bool) -> Result<Option<Servo>, Error> {
@@ -227,7 +220,7 @@ impl Servos {
                 "zero is {zero}; give ticks within ±{LARGEST_ZERO}"
             )));
         }
-        if prismatic {
+        let scale = if prismatic {
             let Some(stroke) = first(|s| s.metres_per_tick) else {
                 return Ok(None);
             };
@@ -238,23 +231,17 @@ impl Servos {
                     STROKES.end()
                 )));
             }
-            return Ok(Some(Servo {
-                zero,
-                sign,
-                scale: Scale::MetresPerTick(stroke),
-            }));
-        }
-        let resolution = first(|s| s.resolution).unwrap_or(4096.0);
-        if !(resolution.is_finite() && (1.0..=LARGEST_RESOLUTION).contains(&resolution)) {
-            return Err(bad(format!(
-                "resolution is {resolution:?}; give ticks a turn, 1 to {LARGEST_RESOLUTION}"
-            )));
-        }
-        Ok(Some(Servo {
-            zero,
-            sign,
-            scale: Scale::TicksPerTurn(resolution),
-        }))
+            Scale::MetresPerTick(stroke)
+        } else {
+            let resolution = first(|s| s.resolution).unwrap_or(4096.0);
+            if !(1.0..=LARGEST_RESOLUTION).contains(&resolution) {
+                return Err(bad(format!(
+                    "resolution is {resolution:?}; give ticks a turn, 1 to {LARGEST_RESOLUTION}"
+                )));
+            }
+            Scale::TicksPerTurn(resolution)
+        };
+        Ok(Some(Servo { zero, sign, scale }))
     }
 }
 

@@ -311,7 +311,7 @@ mod tests {
 
     #[test]
     fn an_angle_that_needs_a_sine_stays_where_it_is() {
-        let mut g = Graph::default();
+        let g = Graph::default();
         let q = g.input(Argument::Positions, 0);
         let first = g.sin(q);
         let second = g.sin(first);

@@ -13,6 +13,15 @@ pub(super) fn spelled(argument: Argument) -> &'static str {
     }
 }
 
+/// Statements for the arrays that no other reads.
+pub(super) fn unread(listing: &Listing) -> Vec<String> {
+    let arrays = listing.program.inputs.iter().map(|array| array.argument);
+    let unread = arrays.filter(|array| !listing.reads(*array));
+    unread
+        .map(|array| format!("(void){};", spelled(array)))
+        .collect()
+}
+
 /// Names of a sine and a cosine; a name for the unused one as well, since the helper writes both.
 pub(super) fn pair(listing: &Listing, sin: Option<Id>, cos: Option<Id>) -> [String; 2] {
     let name = |id: Option<Id>| id.and_then(|id| listing.name(id)).map(str::to_string);

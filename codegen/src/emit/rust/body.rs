@@ -166,41 +166,34 @@ impl<'p> Body<'p> {
                     false => (quote!(#a + #b), Strength::Sum),
                 }
             }
-            Expr::Mul(a, b) => {
+            Expr::Mul(a, b) | Expr::Div(a, b) => {
                 let a = self.operand(a, inner, Strength::Product);
                 let b = self.operand(b, inner, Strength::Sign);
-                (quote!(#a * #b), Strength::Product)
+                let value = match expr {
+                    Expr::Mul(..) => quote!(#a * #b),
+                    _ => quote!(#a / #b),
+                };
+                (value, Strength::Product)
             }
             Expr::Neg(a) => {
                 let a = self.operand(a, inner, Strength::Atom);
                 (quote!(-#a), Strength::Sign)
             }
-            Expr::Div(a, b) => {
-                let a = self.operand(a, inner, Strength::Product);
-                let b = self.operand(b, inner, Strength::Sign);
-                (quote!(#a / #b), Strength::Product)
-            }
-            Expr::Clamp(a) => {
-                let a = self.operand(a, inner, Strength::Atom);
-                (quote!(#a.clamp_unit()), Strength::Atom)
-            }
-            Expr::Pow(a, b) => {
+            Expr::Pow(a, b) | Expr::Max(a, b) => {
+                let is_power = matches!(expr, Expr::Pow(..));
+                let method = format_ident!("{}", if is_power { "power" } else { "larger" });
                 let a = self.operand(a, inner, Strength::Atom);
                 let b = self.operand(b, inner, Strength::Sum);
-                (quote!(#a.power(#b)), Strength::Atom)
+                (quote!(#a.#method(#b)), Strength::Atom)
             }
-            Expr::Max(a, b) => {
+            Expr::Clamp(a) | Expr::Sin(a) | Expr::Cos(a) => {
                 let a = self.operand(a, inner, Strength::Atom);
-                let b = self.operand(b, inner, Strength::Sum);
-                (quote!(#a.larger(#b)), Strength::Atom)
-            }
-            Expr::Sin(a) => {
-                let a = self.operand(a, inner, Strength::Atom);
-                (quote!(#a.sin_cos().0), Strength::Atom)
-            }
-            Expr::Cos(a) => {
-                let a = self.operand(a, inner, Strength::Atom);
-                (quote!(#a.sin_cos().1), Strength::Atom)
+                let value = match expr {
+                    Expr::Sin(_) => quote!(#a.sin_cos().0),
+                    Expr::Cos(_) => quote!(#a.sin_cos().1),
+                    _ => quote!(#a.clamp_unit()),
+                };
+                (value, Strength::Atom)
             }
         }
     }

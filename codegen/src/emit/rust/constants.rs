@@ -14,7 +14,8 @@ use sesc_model::tree::Dof;
 pub(super) fn items(facts: &Facts, notes: &mut Notes) -> TokenStream {
     let allow = allow_unused();
     let numbers = quote! { #[allow(dead_code, clippy::all)] };
-    let sizes = [facts.dof(), facts.params.len(), facts.full_params];
+    let names = facts.param_names();
+    let sizes = [facts.dof(), names.len(), facts.model.chain.full_params];
     let [dof, base, full] = sizes.map(Literal::usize_unsuffixed);
     let joints = facts.dofs.iter().map(|dof| &dof.joint);
     let prismatic = facts.dofs.iter().map(|dof| dof.prismatic);
@@ -22,15 +23,14 @@ pub(super) fn items(facts: &Facts, notes: &mut Notes) -> TokenStream {
         let limits = facts.dofs.iter();
         notes.numbers(limits.map(|dof| (dof.limits()[end], dof.joint.as_str())))
     });
-    let names = facts.params.iter().map(|param| param.name);
-    let cad = notes.numbers(facts.params.iter().map(|param| (param.cad, param.name)));
-    let mass = number(facts.total_mass_kg);
+    let mut by_param =
+        |values: &[f64]| notes.numbers(values.iter().copied().zip(names.iter().copied()));
+    let cad = by_param(&facts.model.cad_params());
+    let mass = number(facts.model.total_mass_kg());
     let posture = facts.self_test.posture.iter().map(|x| number(*x));
     let com = facts.self_test.com.map(number);
     let joint_module = joint_module(facts);
     let identified = facts.identified.as_ref().map(|identified| {
-        let mut by_param =
-            |values: &[f64]| notes.numbers(values.iter().copied().zip(names.clone()));
         let values = by_param(&identified.values);
         let std = identified.std.as_deref().map(|std| {
             let std = by_param(std);

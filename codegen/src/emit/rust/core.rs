@@ -10,7 +10,7 @@ use quote::{format_ident, quote};
 use super::body::Body;
 use super::printed::Notes;
 use super::signature::{matrix, result, signature};
-use super::{INTERFACE, number};
+use super::{INTERFACE, definition, number};
 use crate::emit::listing::{Listing, Results};
 use crate::emit::shared::{Shared, values};
 use crate::routines::Routine;
@@ -59,36 +59,19 @@ impl<'r> Core<'r> {
 
     /// The body, as a function of the robot's type.
     pub(super) fn item(&self, notes: &mut Notes) -> TokenStream {
-        let matrix = matrix(self.function, Given::Positions);
-        let results = match matrix {
-            Some(_) => Results::AsTheyCome,
-            None => Results::AtTheEnd,
-        };
-        let listing = Listing::new(&self.shared.core, results);
-        let rename = |argument: Argument| match listing.reads(argument) {
-            true => argument.name().to_string(),
-            false => format!("_{}", argument.name()),
-        };
-        let (others, _) = signature(&self.others(), rename);
-        let (name, result) = (self.name(), result(self.function, Given::Positions));
-        let body = Body::new(listing, matrix.clone(), Some(&self.shared)).statements(notes);
-        let v1 = format_ident!("v{INTERFACE}");
-        let head = quote! { #[inline(always)] fn #name<T: Real> };
-        let angles = quote! { angles: &impl #v1::Angles<T> };
-        let others = (!others.is_empty()).then(|| quote!(, #others));
-        match matrix {
-            Some(matrix) => {
-                quote! { #head(#angles #others, #matrix: &mut #result) { #body } }
-            }
-            None => quote! { #head(#angles #others) -> #result { #body } },
-        }
+        let (name, v1) = (self.name(), format_ident!("v{INTERFACE}"));
+        let angles = Some(quote! { angles: &impl #v1::Angles<T> });
+        let result = result(self.function, Given::Positions);
+        let written = (result, matrix(self.function, Given::Positions));
+        let (core, others) = (&self.shared.core, self.others());
+        let body = definition(core, (angles, &others), written, Some(&self.shared), notes);
+        quote! { #[inline(always)] fn #name #body }
     }
 
     /// The function of positions or of sines and cosines that calls it.
     pub(super) fn caller(&self, given: Given) -> TokenStream {
         let (function, unit, name) = (self.function, self.unit, self.name());
-        let own = |argument: Argument| argument.name().to_string();
-        let (parameters, _) = signature(&function.arguments(given), own);
+        let (parameters, _) = signature(&function.arguments(given), None);
         let (statements, angles) = match given {
             Given::Positions => self.of_positions(),
             Given::SinesCosines | Given::Direction => self.of_sines(),
@@ -103,7 +86,7 @@ impl<'r> Core<'r> {
         let (result, place) = (result(function, given), written.as_ref());
         match (place, given) {
             (Some(place), Given::Positions) => {
-                quote! { <T: Real>(#parameters, #place: &mut #result) {
+                quote! { <T: Real>(#(#parameters,)* #place: &mut #result) {
                     #statements
                     #unit::#name(#angles, #(#others,)* #place);
                 } }
@@ -111,14 +94,14 @@ impl<'r> Core<'r> {
             (Some(place), _) => {
                 let (zero, rows) = (number(0.0), function.rows().map(Literal::usize_unsuffixed));
                 let columns = super::signature::extent(function.columns());
-                quote! { <T: Real>(#parameters) -> #result {
+                quote! { <T: Real>(#(#parameters),*) -> #result {
                     #statements
                     let mut #place = [[T::from_f64(#zero); #columns]; #rows];
                     #unit::#name(#angles, #(#others,)* &mut #place);
                     #place
                 } }
             }
-            (None, _) => quote! { <T: Real>(#parameters) -> #result {
+            (None, _) => quote! { <T: Real>(#(#parameters),*) -> #result {
                 #statements
                 #unit::#name(#angles #(, #others)*)
             } },

@@ -3,23 +3,27 @@
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
+use crate::emit::listing::Listing;
 use crate::facts::Facts;
 use sesc_model::expr::Argument;
 use sesc_model::{Extent, Function, Given};
 
-/// Parameters for these arguments and the names to pass on.
+/// Parameters for these arguments and the names to pass on; those that a body does not read
+/// begin with `_`.
 pub(super) fn signature(
     arguments: &[Argument],
-    rename: impl Fn(Argument) -> String,
-) -> (TokenStream, Vec<Ident>) {
-    let idents: Vec<Ident> = arguments
-        .iter()
-        .map(|argument| Ident::new(&rename(*argument), Span::call_site()))
-        .collect();
-    let lens = arguments
-        .iter()
-        .map(|argument| extent(Extent::of(*argument)));
-    (quote! { #(#idents: &[T; #lens]),* }, idents)
+    body: Option<&Listing>,
+) -> (Vec<TokenStream>, Vec<Ident>) {
+    let parameter = |argument: &Argument| {
+        let is_read = body.is_none_or(|body| body.reads(*argument));
+        let name = format!("{}{}", if is_read { "" } else { "_" }, argument.name());
+        let (name, len) = (
+            Ident::new(&name, Span::call_site()),
+            extent(Extent::of(*argument)),
+        );
+        (quote!(#name: &[T; #len]), name)
+    };
+    arguments.iter().map(parameter).unzip()
 }
 
 /// The type of a result.

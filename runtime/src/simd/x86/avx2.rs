@@ -4,30 +4,21 @@ use core::arch::x86_64::*;
 
 use super::fused::{FusedF32, FusedF64};
 use super::{align_stack, fused, machine, register};
+use crate::scalar::Scalar;
 use crate::scalar::sealed::{Machine, ROWS, Task};
 use crate::{pack, power};
 
 /// The set.
 pub struct Avx2;
 
-/// Run a task on doubles.
+/// Run a task.
 ///
 /// # Safety
 /// The processor and the system must have AVX2 and FMA.
 #[target_feature(enable = "avx2,fma")]
-pub unsafe fn double(task: impl Task<f64>) {
+pub unsafe fn run<S: Scalar, M: Machine<S>>(task: impl Task<S>) {
     align_stack();
-    task.run::<Avx2>();
-}
-
-/// Run a task on singles.
-///
-/// # Safety
-/// The processor and the system must have AVX2 and FMA.
-#[target_feature(enable = "avx2,fma")]
-pub unsafe fn single(task: impl Task<f32>) {
-    align_stack();
-    task.run::<Avx2>();
+    task.run::<M>();
 }
 
 register! {
@@ -105,12 +96,12 @@ fn columns_f32<const N: usize>(rows: &[[f32; N]; 16], part: usize) -> [F32x8; N]
 }
 
 machine! {
-    Avx2: F64x4, 4 of f64, 8 a block, FusedF64, F64x4;
+    F64x4, 4 of f64, 8 a block, FusedF64, rows Avx2: F64x4;
     columns columns_f64;
     sin_cos sin_cos_f64;
 }
 machine! {
-    Avx2: F32x8, 8 of f32, 16 a block, FusedF32, F32x4;
+    F32x8, 8 of f32, 16 a block, FusedF32, rows Avx2: F32x4;
     columns columns_f32;
     sin_cos sin_cos_f32;
 }

@@ -10,62 +10,33 @@
 //! index wraps around the turn by itself: no quadrants, and polynomials of low degree.
 //! Errors are below 1.7 units of 2⁻⁵³, or of 2⁻²⁴: the roundings of
 //! the table and of two sums are half a unit each. Angles beyond the limits of
-//! [`trig`] give NaN, as there.
+//! [`trig`](crate::trig) give NaN, as there.
 
 use core::arch::x86_64::*;
 
 use super::avx2::{F32x4, F64x4};
 use super::fused::{FusedF32, FusedF64};
 use super::{align_stack, machine, register};
+use crate::scalar::Scalar;
 use crate::scalar::sealed::{Machine, ROWS, Task};
-use crate::{pack, power, trig};
+use crate::trig::{double, single};
+use crate::{pack, power};
 
 /// The set.
 pub struct Avx512;
 
-/// Run a task on doubles.
-///
-/// # Safety
-/// The processor and the system must have AVX-512 F, DQ and VL, and what the compiler takes as
-/// part of them: AVX2, FMA and F16C.
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-pub unsafe fn double(task: impl Task<f64>) {
-    align_stack();
-    task.run::<Avx512>();
-}
-
-/// Run a task on singles.
-///
-/// # Safety
-/// The processor and the system must have AVX-512 F, DQ and VL, and what the compiler takes as
-/// part of them: AVX2, FMA and F16C.
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-pub unsafe fn single(task: impl Task<f32>) {
-    align_stack();
-    task.run::<Avx512>();
-}
-
 /// The set, with the rows of one posture in registers of 256 bits (f32: 128).
 pub struct Avx512Short;
 
-/// Run a task on doubles, rows in short registers.
+/// Run a task on either.
 ///
 /// # Safety
-/// As for [`double`].
+/// The processor and the system must have AVX-512 F, DQ and VL, and what the compiler takes as
+/// part of them: AVX2, FMA and F16C.
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-pub unsafe fn double_short(task: impl Task<f64>) {
+pub unsafe fn run<S: Scalar, M: Machine<S>>(task: impl Task<S>) {
     align_stack();
-    task.run::<Avx512Short>();
-}
-
-/// Run a task on singles, rows in short registers.
-///
-/// # Safety
-/// As for [`single`].
-#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-pub unsafe fn single_short(task: impl Task<f32>) {
-    align_stack();
-    task.run::<Avx512Short>();
+    task.run::<M>();
 }
 
 register! {
@@ -125,24 +96,12 @@ macro_rules! each {
         }
     };
 }
-each!(
-    each_f64,
-    f64,
-    8,
-    __mmask8,
-    _mm512_maskz_loadu_pd,
-    _mm512_mask_storeu_pd,
-    sin_cos_f64
-);
-each!(
-    each_f32,
-    f32,
-    16,
-    __mmask16,
-    _mm512_maskz_loadu_ps,
-    _mm512_mask_storeu_ps,
-    sin_cos_f32
-);
+each! {
+    each_f64, f64, 8, __mmask8, _mm512_maskz_loadu_pd, _mm512_mask_storeu_pd, sin_cos_f64
+}
+each! {
+    each_f32, f32, 16, __mmask16, _mm512_maskz_loadu_ps, _mm512_mask_storeu_ps, sin_cos_f32
+}
 
 #[inline(always)]
 fn columns_f32<const N: usize>(rows: &[[f32; N]; 16], part: usize) -> [F32x16; N] {
@@ -198,23 +157,12 @@ unsafe fn transposed(r: [__m512d; 8]) -> [__m512d; 8] {
 }
 
 machine! {
-    Avx512: F64x8, 8 of f64, 8 a block, FusedF64, F64x8;
+    F64x8, 8 of f64, 8 a block, FusedF64, rows Avx512: F64x8, Avx512Short: F64x4;
     columns columns_f64;
     sin_cos each_f64;
 }
 machine! {
-    Avx512: F32x16, 16 of f32, 16 a block, FusedF32, F32x16;
-    columns columns_f32;
-    sin_cos each_f32;
-}
-
-machine! {
-    Avx512Short: F64x8, 8 of f64, 8 a block, FusedF64, F64x4;
-    columns columns_f64;
-    sin_cos each_f64;
-}
-machine! {
-    Avx512Short: F32x16, 16 of f32, 16 a block, FusedF32, F32x4;
+    F32x16, 16 of f32, 16 a block, FusedF32, rows Avx512: F32x16, Avx512Short: F32x4;
     columns columns_f32;
     sin_cos each_f32;
 }
@@ -231,9 +179,6 @@ const TABLE: [f64; 20] = {
 
 /// π/8 in two pieces.
 const STEP: [f64; 2] = [core::f64::consts::FRAC_PI_8, 1.530_808_498_934_191_5e-17];
-
-/// 1.5 · 2^52: a sum with it is rounded to an integer, which its low bits show.
-const MAGIC: f64 = 6_755_399_441_055_744.0;
 
 /// `(sin r − r) / r³` in `r²`: minimax, error of the sine below 6e-19.
 const SIN: [f64; 4] = [
@@ -261,11 +206,15 @@ unsafe fn sin_cos_f64(x: __m512d) -> (__m512d, __m512d) {
     // within the table of 20.
     unsafe {
         let all = |value: f64| _mm512_set1_pd(value);
-        let known = _mm512_cmp_pd_mask::<_CMP_LE_OQ>(_mm512_abs_pd(x), all(trig::LIMIT_RAD));
+        let known = _mm512_cmp_pd_mask::<_CMP_LE_OQ>(_mm512_abs_pd(x), all(double::LIMIT_RAD));
 
-        let shifted = _mm512_fmadd_pd(x, all(8.0 * core::f64::consts::FRAC_1_PI), all(MAGIC));
+        let shifted = _mm512_fmadd_pd(
+            x,
+            all(8.0 * core::f64::consts::FRAC_1_PI),
+            all(double::MAGIC),
+        );
         let index = _mm512_castpd_si512(shifted);
-        let k = _mm512_sub_pd(shifted, all(MAGIC));
+        let k = _mm512_sub_pd(shifted, all(double::MAGIC));
         let r = _mm512_fnmadd_pd(k, all(STEP[0]), x);
         let r = _mm512_fnmadd_pd(k, all(STEP[1]), r);
         // From here a NaN spreads to both results.
@@ -320,9 +269,6 @@ const TABLE_F32: [f32; 40] = {
 /// π/16 in two pieces.
 const STEP_F32: [f32; 2] = [f32::from_bits(0x3E49_0FDB), f32::from_bits(0xB1BB_BD2E)];
 
-/// 1.5 · 2^23.
-const MAGIC_F32: f32 = 12_582_912.0;
-
 /// `(sin r − r) / r³` in `r²`: minimax, error of the sine below 5e-13.
 const SIN_F32: [f32; 2] = [f32::from_bits(0xBE2A_AAAA), f32::from_bits(0x3C08_7C92)];
 
@@ -339,11 +285,15 @@ unsafe fn sin_cos_f32(x: __m512) -> (__m512, __m512) {
     // within the table of 40.
     unsafe {
         let all = |value: f32| _mm512_set1_ps(value);
-        let known = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(_mm512_abs_ps(x), all(trig::LIMIT_RAD_F32));
+        let known = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(_mm512_abs_ps(x), all(single::LIMIT_RAD));
 
-        let shifted = _mm512_fmadd_ps(x, all(16.0 * core::f32::consts::FRAC_1_PI), all(MAGIC_F32));
+        let shifted = _mm512_fmadd_ps(
+            x,
+            all(16.0 * core::f32::consts::FRAC_1_PI),
+            all(single::MAGIC),
+        );
         let index = _mm512_castps_si512(shifted);
-        let k = _mm512_sub_ps(shifted, all(MAGIC_F32));
+        let k = _mm512_sub_ps(shifted, all(single::MAGIC));
         let r = _mm512_fnmadd_ps(k, all(STEP_F32[0]), x);
         let r = _mm512_fnmadd_ps(k, all(STEP_F32[1]), r);
         // From here a NaN spreads to both results.

@@ -14,12 +14,10 @@
 //! that it is accurate relative to sines near zero.
 
 use core::arch::x86_64::*;
-use core::f32::consts::FRAC_2_PI as FRAC_2_PI_F32;
-use core::f64::consts::FRAC_2_PI;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::real::Real;
-use crate::trig::{COS, COS_F32, LIMIT_RAD, LIMIT_RAD_F32, MAGIC, MAGIC_F32, SIN, SIN_F32};
+use crate::trig::{double, single};
 
 macro_rules! fused {
     ($name:ident, $scalar:ty, $set:ident, $fmadd:ident, $get:ident, $sin_cos:ident) => {
@@ -27,18 +25,6 @@ macro_rules! fused {
         #[derive(Debug, Clone, Copy)]
         #[repr(transparent)]
         pub struct $name($scalar);
-
-        impl $name {
-            #[inline(always)]
-            fn of(x: $scalar) -> Self {
-                Self(x)
-            }
-
-            #[inline(always)]
-            fn number(self) -> $scalar {
-                self.0
-            }
-        }
 
         fused!(@operator $name Add add +);
         fused!(@operator $name Sub sub -);
@@ -100,22 +86,8 @@ macro_rules! fused {
     };
 }
 
-fused!(
-    FusedF64,
-    f64,
-    _mm_set_sd,
-    _mm_fmadd_sd,
-    _mm_cvtsd_f64,
-    sin_cos_f64
-);
-fused!(
-    FusedF32,
-    f32,
-    _mm_set_ss,
-    _mm_fmadd_ss,
-    _mm_cvtss_f32,
-    sin_cos_f32
-);
+fused! { FusedF64, f64, _mm_set_sd, _mm_fmadd_sd, _mm_cvtsd_f64, sin_cos_f64 }
+fused! { FusedF32, f32, _mm_set_ss, _mm_fmadd_ss, _mm_cvtss_f32, sin_cos_f32 }
 
 /// π/2 in two pieces.
 const QUARTER: [f64; 2] = [core::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17];
@@ -126,29 +98,30 @@ const QUARTER_F32: [f32; 2] = [core::f32::consts::FRAC_PI_2, -4.371_139e-8];
 /// Kernels of a scalar and its bits.
 macro_rules! sines {
     (
-        $name:ident, $scalar:ty, $bits:ty, $fused:ident, $turns:ident, $magic:ident,
-        $quarter:ident, $limit:ident, $polynomial:ident of $sin:ident, $cos:ident
+        $name:ident, $scalar:ident, $bits:ty, $fused:ident, $quarter:ident,
+        $polynomial:ident of $module:ident
     ) => {
         /// Sine and cosine of `x` radians; for code that is compiled for FMA.
         #[inline(always)]
         pub(super) fn $name(x: $scalar) -> ($scalar, $scalar) {
-            const SIGN: $bits = 1 << (<$bits>::BITS - 1);
-            let shifted = $fused::of(x).mul_plus($fused::of($turns), $fused::of($magic));
-            let quadrant = shifted.number().to_bits();
-            let k = -(shifted - $fused::of($magic));
-            let r = k.mul_plus($fused::of($quarter[0]), $fused::of(x));
-            let r = k.mul_plus($fused::of($quarter[1]), r);
+            use core::$scalar::consts::FRAC_2_PI;
+            use $module::{COS, LIMIT_RAD, MAGIC, SIGN, SIN};
+            let shifted = $fused(x).mul_plus($fused(FRAC_2_PI), $fused(MAGIC));
+            let quadrant = shifted.0.to_bits();
+            let k = -(shifted - $fused(MAGIC));
+            let r = k.mul_plus($fused($quarter[0]), $fused(x));
+            let r = k.mul_plus($fused($quarter[1]), r);
             // From here a NaN spreads to both results.
-            let known = x.abs() <= $limit;
+            let known = x.abs() <= LIMIT_RAD;
             let outside = <$bits>::from(known).wrapping_sub(1);
-            let z = $fused::of(<$scalar>::from_bits((r * r).number().to_bits() | outside));
+            let z = $fused(<$scalar>::from_bits((r * r).0.to_bits() | outside));
 
-            let sin = (z * r).mul_plus($polynomial(&$sin, z), r);
-            let cos = z.mul_plus($polynomial(&$cos, z), $fused::of(-0.5));
-            let cos = z.mul_plus(cos, $fused::of(1.0));
+            let sin = (z * r).mul_plus($polynomial(&SIN, z), r);
+            let cos = z.mul_plus($polynomial(&COS, z), $fused(-0.5));
+            let cos = z.mul_plus(cos, $fused(1.0));
 
             // Odd quadrants swap the two; sin < 0 in 2 and 3, cos < 0 in 1 and 2.
-            let (sin, cos) = (sin.number().to_bits(), cos.number().to_bits());
+            let (sin, cos) = (sin.0.to_bits(), cos.0.to_bits());
             let odd = (0 as $bits).wrapping_sub(quadrant & 1);
             let swap = (sin ^ cos) & odd;
             let sin_sign = (quadrant << (<$bits>::BITS - 2)) & SIGN;
@@ -161,22 +134,16 @@ macro_rules! sines {
     };
 }
 
-sines! {
-    sin_cos_f64, f64, u64, FusedF64, FRAC_2_PI, MAGIC,
-    QUARTER, LIMIT_RAD, by_pairs of SIN, COS
-}
-sines! {
-    sin_cos_f32, f32, u32, FusedF32, FRAC_2_PI_F32, MAGIC_F32,
-    QUARTER_F32, LIMIT_RAD_F32, in_turn of SIN_F32, COS_F32
-}
+sines! { sin_cos_f64, f64, u64, FusedF64, QUARTER, by_pairs of double }
+sines! { sin_cos_f32, f32, u32, FusedF32, QUARTER_F32, in_turn of single }
 
 /// `Σ c_i z^i` by pairs: as many operations as one after the other, half the latency.
 #[inline(always)]
 fn by_pairs(c: &[f64; 6], z: FusedF64) -> FusedF64 {
     let [low, middle, high] = [
-        z.mul_plus(FusedF64::of(c[1]), FusedF64::of(c[0])),
-        z.mul_plus(FusedF64::of(c[3]), FusedF64::of(c[2])),
-        z.mul_plus(FusedF64::of(c[5]), FusedF64::of(c[4])),
+        z.mul_plus(FusedF64(c[1]), FusedF64(c[0])),
+        z.mul_plus(FusedF64(c[3]), FusedF64(c[2])),
+        z.mul_plus(FusedF64(c[5]), FusedF64(c[4])),
     ];
     let z2 = z * z;
     z2.mul_plus(z2.mul_plus(high, middle), low)
@@ -185,6 +152,6 @@ fn by_pairs(c: &[f64; 6], z: FusedF64) -> FusedF64 {
 /// `Σ c_i z^i`, one term after the other.
 #[inline(always)]
 fn in_turn(c: &[f32; 3], z: FusedF32) -> FusedF32 {
-    let high = z.mul_plus(FusedF32::of(c[2]), FusedF32::of(c[1]));
-    z.mul_plus(high, FusedF32::of(c[0]))
+    let high = z.mul_plus(FusedF32(c[2]), FusedF32(c[1]));
+    z.mul_plus(high, FusedF32(c[0]))
 }

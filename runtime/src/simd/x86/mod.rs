@@ -191,15 +191,15 @@ macro_rules! register {
 }
 use register;
 
-/// A set's registers as a [`Machine`](crate::scalar::sealed::Machine).
+/// Registers as a [`Machine`](crate::scalar::sealed::Machine) of each set.
 macro_rules! machine {
     (
-        $set:ident: $vector:ident, $lanes:literal of $scalar:ty, $count:literal a block,
-        $one:ty, $rows:ident;
+        $vector:ident, $lanes:literal of $scalar:ty, $count:literal a block,
+        $one:ty, rows $($set:ident: $rows:ident),+;
         columns $columns:path;
         sin_cos $sin_cos:path;
     ) => {
-        impl crate::scalar::sealed::Machine<$scalar> for $set {
+        $(impl crate::scalar::sealed::Machine<$scalar> for $set {
             type Vector = $vector;
             const PARTS: usize = $count / $lanes;
             type One = $one;
@@ -305,7 +305,7 @@ macro_rules! machine {
             ) {
                 $sin_cos(angles, sin, cos)
             }
-        }
+        })+
     };
 }
 use machine;

@@ -1,17 +1,31 @@
-{%- if has_narrow %}
-{% include "narrow.c" %}
+{%- if "narrow" in called %}
+/* wide / 2^bits, rounded to nearest; bits >= 1. */
+static {{ name }}_real {{ name }}_narrow(int64_t wide, uint32_t bits)
+{
+    return ({{ name }}_real)((wide + ((int64_t)1 << (bits - 1u))) >> bits);
+}
 {% endif %}
-{%- if has_shift_up %}
-{% include "shift_up.c" %}
+{%- if "shift_up" in called %}
+/* value * 2^bits. A product: shifting a negative number up is undefined. */
+#define {{ name }}_shift_up(value, bits) \
+    ((int64_t)(value) * ((int64_t)1 << (bits)))
 {% endif %}
-{%- if has_add or has_subtract %}
-{% include "wrapping.c" %}
+{%- if "add" in called or "subtract" in called %}
+/* Inside the ranges of all inputs nothing overflows; for others sums wrap, as angles do. */
+{%- if "add" in called %}
+#define {{ name }}_add(a, b) \
+    ((int32_t)((uint32_t)(a) + (uint32_t)(b)))
+{%- endif %}
+{%- if "subtract" in called %}
+#define {{ name }}_subtract(a, b) \
+    ((int32_t)((uint32_t)(a) - (uint32_t)(b)))
+{%- endif %}
 {% endif %}
-{%- if has_table %}
+{%- if "lookup" in called %}
 {% include "table.c" %}
 {% endif %}
-{%- if has_kernel %}
-{% include kernel %}
+{%- if "sincos" in called %}
+{% include "kernel_fixed.c" if real == "int32_t" else "kernel_float.c" %}
 {% endif %}
 {%- if has_shared %}
 
@@ -22,7 +36,7 @@
 #define {{ name }}_SHARED static inline
 #endif
 {%- endif %}
-{%- if has_turn %}
+{%- if "turn" in called %}
 
 /* The sine and cosine that are given, or those of q. */
 {{ name }}_SHARED void {{ name }}_turn(
@@ -41,10 +55,26 @@
     }
 }
 {% endif %}
-{%- if has_clamp %}
-{% include clamp %}
+{%- if "clamp" in called %}
+{% if real == "int32_t" -%}
+/* The nearest number in [-1, 1], 30 bits below the point: of x, where 1 is `one` and a unit is
+ * `unit` of the result. */
+static {{ name }}_real {{ name }}_clamp({{ name }}_real x, {{ name }}_real one, {{ name }}_real unit)
+{
+    const {{ name }}_real above = (x < -one) ? -one : x;
+    const {{ name }}_real inside = (above > one) ? one : above;
+    return inside * unit;
+}
+{%- else -%}
+/* The nearest number in [-1, 1]; NaN for NaN. */
+static {{ real }} {{ name }}_clamp({{ real }} x)
+{
+    const {{ real }} above = (x < -1.0{{ suffix }}) ? -1.0{{ suffix }} : x;
+    return (above > 1.0{{ suffix }}) ? 1.0{{ suffix }} : above;
+}
+{%- endif %}
 {% endif %}
-{%- if has_larger %}
+{%- if "larger" in called %}
 
 /* The larger of two numbers, the first where neither is. */
 static {{ real }} {{ name }}_larger({{ real }} x, {{ real }} y)
@@ -52,6 +82,6 @@ static {{ real }} {{ name }}_larger({{ real }} x, {{ real }} y)
     return (x < y) ? y : x;
 }
 {% endif %}
-{%- if has_power %}
-{% include power %}
+{%- if "power" in called %}
+{% include "power_" ~ format ~ ".c" %}
 {% endif %}

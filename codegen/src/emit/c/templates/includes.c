@@ -37,16 +37,16 @@
 #error "{{ name }} needs int32_t, int64_t and shifts that keep the sign"
 #endif
 {%- endif %}
-{%- if (has_kernel or has_power) and real != "int32_t" %}
+{%- if ("sincos" in called or "power" in called) and real != "int32_t" %}
 #ifdef {{ name }}_USE_LIBM
 #include <math.h>
 #else
 {{- "" if estimator else "\n#include <string.h>" }}
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
-#error "-ffast-math breaks {{ "sines" if has_kernel else "powers" }}: omit it or define {{ name }}_USE_LIBM"
+#error "-ffast-math breaks {{ "sines" if "sincos" in called else "powers" }}: omit it or define {{ name }}_USE_LIBM"
 #endif
 #if (FLT_EVAL_METHOD < 0) || (FLT_EVAL_METHOD == 2)
-#error "x87 breaks {{ "sines" if has_kernel else "powers" }}: add -msse2 -mfpmath=sse, or define {{ name }}_USE_LIBM"
+#error "x87 breaks {{ "sines" if "sincos" in called else "powers" }}: add -msse2 -mfpmath=sse, or define {{ name }}_USE_LIBM"
 {%- if real == "float" %}
 #elif FLT_EVAL_METHOD == 1
 #error "float in double has other bits: add -fexcess-precision=fast, or define {{ name }}_USE_LIBM"

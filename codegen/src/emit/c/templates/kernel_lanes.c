@@ -10,7 +10,7 @@ static void {{ name }}_sincos_lanes({{ name }}_lanes x, {{ name }}_lanes *sine, 
         (*cosine)[k] = c;
     }
 }
-{%- if has_both_lanes %}
+{%- if "sincos_both" in called %}
 
 typedef struct {
     {{ name }}_lanes x;
@@ -42,19 +42,19 @@ static {{ name }}_lanes {{ name }}_from_bits_lanes({{ name }}_lane_bits bits)
 }
 
 {% with of = name ~ "_lanes", bits = name ~ "_lane_bits", lanes = "_lanes" -%}
-{% if has_sincos_lanes -%}
+{% if "sincos_lanes" in called -%}
 /* Constants stay in registers where it is not called. */
 static inline void {{ name }}_sincos_lanes({{ name }}_lanes x, {{ name }}_lanes *sine, {{ name }}_lanes *cosine)
     __attribute__((always_inline));
 
-{% include steps %}
+{% include "steps.c" %}
 {%- endif %}
-{%- if has_sincos_lanes and has_both_lanes %}
+{%- if "sincos_lanes" in called and "sincos_both" in called %}
 
 {% endif %}
-{%- if has_both_lanes -%}
+{%- if "sincos_both" in called -%}
 {%- set reduction_of_one -%}
-{% include reduction %}
+{% include "reduction_" ~ format ~ ".c" %}
     of->r = r;
     of->excess = excess;
     of->quadrant = quadrant;
@@ -63,7 +63,7 @@ static inline void {{ name }}_sincos_lanes({{ name }}_lanes x, {{ name }}_lanes 
     const {{ name }}_lanes r = of->r;
     const {{ name }}_lanes excess = of->excess;
     const {{ name }}_lane_bits quadrant = of->quadrant;
-{% include series %}
+{% include "series_" ~ format ~ ".c" %}
 {% endset -%}
 /* What quarter turns leave of an angle, r - excess, and in the last two bits how many they were. */
 typedef struct {

@@ -26,7 +26,7 @@ typedef {{ real }} {{ name }}_lanes_anywhere
  * aligned for it. For registers that it saves alone clang aligns none: each would lie in two
  * lines of the cache in three runs of four, which takes up to a fifth longer.
  */
-{%- if has_load %}
+{%- if "load" in called %}
 
 /* Numbers of consecutive postures in a row of an array. */
 static {{ name }}_lanes {{ name }}_load(const {{ real }} from[], size_t row, size_t n)
@@ -34,14 +34,14 @@ static {{ name }}_lanes {{ name }}_load(const {{ real }} from[], size_t row, siz
     return *(const {{ name }}_lanes_anywhere *)&from[row * n];
 }
 {%- endif %}
-{%- if has_store %}
+{%- if "store" in called %}
 
 static void {{ name }}_store({{ real }} to[], size_t row, size_t n, {{ name }}_lanes x)
 {
     *({{ name }}_lanes_anywhere *)&to[row * n] = x;
 }
 {%- endif %}
-{%- if has_splat %}
+{%- if "splat" in called %}
 
 /* The same number in every lane; less a zero, a number is itself, -0 as well. */
 static {{ name }}_lanes {{ name }}_splat({{ real }} x)
@@ -50,7 +50,7 @@ static {{ name }}_lanes {{ name }}_splat({{ real }} x)
     return x - zero;
 }
 {%- endif %}
-{%- if has_gather %}
+{%- if "gather" in called %}
 
 /* Column i of an array of n postures. */
 static void {{ name }}_gather(const {{ real }} from[], size_t count, size_t n, size_t i, {{ real }} to[])
@@ -60,7 +60,7 @@ static void {{ name }}_gather(const {{ real }} from[], size_t count, size_t n, s
     }
 }
 {%- endif %}
-{%- if has_scatter %}
+{%- if "scatter" in called %}
 
 static void {{ name }}_scatter(const {{ real }} from[], size_t count, size_t n, size_t i, {{ real }} to[])
 {
@@ -69,11 +69,11 @@ static void {{ name }}_scatter(const {{ real }} from[], size_t count, size_t n, 
     }
 }
 {%- endif %}
-{%- if has_sincos_lanes or has_both_lanes %}
+{%- if "sincos_lanes" in called or "sincos_both" in called %}
 
 {% include "kernel_lanes.c" %}
 {%- endif %}
-{%- if has_clamp_lanes %}
+{%- if "clamp_lanes" in called %}
 
 /* The nearest number in [-1, 1] in every lane; NaN for NaN. */
 static {{ name }}_lanes {{ name }}_clamp_lanes({{ name }}_lanes x)
@@ -87,7 +87,7 @@ static {{ name }}_lanes {{ name }}_clamp_lanes({{ name }}_lanes x)
     return ({{ name }}_lanes)held;
 }
 {%- endif %}
-{%- if has_larger_lanes %}
+{%- if "larger_lanes" in called %}
 
 /* The larger of two numbers in every lane, the first where neither is. */
 static {{ name }}_lanes {{ name }}_larger_lanes({{ name }}_lanes x, {{ name }}_lanes y)
@@ -97,7 +97,7 @@ static {{ name }}_lanes {{ name }}_larger_lanes({{ name }}_lanes x, {{ name }}_l
     return ({{ name }}_lanes)larger;
 }
 {%- endif %}
-{%- if has_power_lanes %}
+{%- if "power_lanes" in called %}
 
 static {{ name }}_lanes {{ name }}_power_lanes({{ name }}_lanes x, {{ name }}_lanes y)
 {

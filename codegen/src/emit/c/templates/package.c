@@ -9,12 +9,12 @@
 {%- if constant.is_array %}
 {{ constant.declaration }} = {
 {%- for entry in constant.values %}
-    {{ entry.value }}{{ "," if not loop.last }}{{ " /* " ~ entry.comment ~ " */" if entry.comment }}
+    {{ entry[0] }}{{ "," if not loop.last }}{{ " /* " ~ entry[1] ~ " */" if entry[1] }}
 {%- endfor %}
 };
 {% else %}
 {%- set entry = constant.values[0] %}
-{{ constant.declaration }} = {{ entry.value }};{{ " /* " ~ entry.comment ~ " */" if entry.comment }}
+{{ constant.declaration }} = {{ entry[0] }};{{ " /* " ~ entry[1] ~ " */" if entry[1] }}
 {% endif %}
 {%- endfor %}
 {%- include "helpers.c" %}
@@ -32,7 +32,7 @@ static void {{ from_ticks.signature }}
 {% endif %}
 {%- for function in functions %}
 {%- if function.block %}
-static void {{ function.block.signature }}
+static void {{ name }}_{{ function.block.of_one }}_block({{ function.block.parameters }})
 {
     volatile {{ name }}_lanes on_stack = {0};
     (void)on_stack;
@@ -50,6 +50,9 @@ static void {{ function.block.signature }}
 {% endif %}
 void {{ name }}_{{ function.name }}({{ function.definition }})
 {
+{%- if function.block %}
+{%- include "batch.c" %}
+{%- endif %}
 {%- for line in function.body %}
 {{ "    " if line }}{{ line }}
 {%- endfor %}

@@ -6,7 +6,7 @@ static float {{ name }}_power(float x, float y)
 }
 
 #else
-{% if not has_kernel %}
+{% if "sincos" not in called %}
 {% include "bits.c" %}
 {% endif %}
 /* The upper half of a mantissa: products of halves are exact. */

@@ -6,7 +6,7 @@ static double {{ name }}_power(double x, double y)
 }
 
 #else
-{% if not has_kernel %}
+{% if "sincos" not in called %}
 {% include "bits.c" %}
 {% endif %}
 /* The upper half of a mantissa: products of halves are exact. */

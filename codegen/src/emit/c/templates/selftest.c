@@ -50,7 +50,7 @@ int {{ name }}_selftest_{{ pair }}(void)
 {%- endfor %}
 {%- endfor %}
 {%- for result in selftest_results %}
-    {{ name }}_real {{ result.name }}[{{ result.length }}];
+    {{ name }}_real {{ result[0] }}[{{ result[1] }}];
 {%- endfor %}
     int failed = 0;
 {%- for check in selftest %}
@@ -63,7 +63,7 @@ int {{ name }}_selftest_{{ pair }}(void)
 {%- if real != "int32_t" %}
 
 #if !defined(__FLT_EVAL_METHOD__) || (__FLT_EVAL_METHOD__ != 2)
-    if ({{ name }}_rounds_otherwise({{ selftest_results[0].name }}[0]) != 0) {
+    if ({{ name }}_rounds_otherwise({{ selftest_results[0][0] }}[0]) != 0) {
         failed += {{ selftest_rounding }};
     }
 #endif
