@@ -10,8 +10,9 @@ use super::limits;
 use super::link::{LinkDraft, read_link};
 use super::origin::Version;
 use super::report::{EXPAND, Lines, Report, shown};
+use super::source::tag;
 use super::text::plain;
-use super::values::{Reader, tag};
+use super::values::Reader;
 
 pub(super) struct Draft {
     /// Line of the root element, for complaints about the whole.

@@ -9,7 +9,6 @@ use roxmltree::{Document, Node};
 
 use super::description::Description;
 use super::error::{Error, not_xml};
-use super::values::tag;
 use super::{limits, scan};
 
 /// A mended text, and where its places are in what was given.
@@ -59,6 +58,11 @@ impl<'a> Source<'a> {
 pub(super) fn links<'d, 'i>(document: &'d Document<'i>) -> impl Iterator<Item = Node<'d, 'i>> {
     let root = document.root_element();
     children(root, "link")
+}
+
+/// The name of a tag; a prefix is a part of it (`xacro_include`).
+pub(super) fn tag<'a>(node: Node<'a, '_>) -> &'a str {
+    node.tag_name().name()
 }
 
 /// Child elements of this name.

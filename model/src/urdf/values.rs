@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use super::limits;
 use super::report::{Lines, Report, shown};
-use super::source::children;
+use super::source::{children, tag};
 use crate::text::is_hidden;
 
 /// The value of an attribute and the line it stands on.
@@ -27,11 +27,6 @@ pub(super) struct Reader<'a> {
 
 fn source<'a>(node: Node<'a, '_>) -> &'a str {
     &node.document().input_text()[node.range()]
-}
-
-/// The name of a tag; a prefix is a part of it (`xacro_include`).
-pub(super) fn tag<'a>(node: Node<'a, '_>) -> &'a str {
-    node.tag_name().name()
 }
 
 impl Reader<'_> {
