@@ -23,7 +23,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF as _, Normal};
 
 use crate::Error;
 use crate::diagnose::subject;
-use crate::fit::fitted::inverse;
+use crate::fit::population::inverse;
 use crate::svd::symmetric_eigen;
 
 /// A difference that chance makes more often than this is none. Chosen: it is the rate of false
@@ -176,24 +176,23 @@ pub fn compare(before: &ModelFile, after: &ModelFile) -> Result<Comparison, Erro
     let (parameters, squares) = masses(before, after);
     let chance = chance(&squares);
     let effects = effects(before, after);
-    let same = |e: &EffectChange| matches!(e.change, Change::Same | Change::Unknown);
-    let values_changed = !effects.iter().all(same);
+    let is_same = |e: &EffectChange| matches!(e.change, Change::Same | Change::Unknown);
     let masses_changed = chance.is_some_and(|chance| chance < CHANCE);
-    let hashes = |file: &ModelFile| -> BTreeSet<String> {
-        file.data.iter().map(|data| data.hash.clone()).collect()
-    };
+    let hashes = [before, after].map(|file| -> BTreeSet<&str> {
+        file.data.iter().map(|data| data.hash.as_str()).collect()
+    });
     let mut comparison = Comparison {
         robot: after.robot.clone(),
         support: after.support.clone(),
         same_urdf: before.hash == after.hash,
         noise_floor: [before.noise_floor, after.noise_floor],
-        same_data: !before.data.is_empty() && hashes(before) == hashes(after),
+        same_data: !before.data.is_empty() && hashes[0] == hashes[1],
+        changed: !effects.iter().all(is_same) || masses_changed,
         effects,
         parameters,
         directions: squares.len(),
         chi2: squares.iter().sum(),
         chance,
-        changed: values_changed || masses_changed,
         sentence: String::new(),
     };
     comparison.sentence = sentence(&comparison);
@@ -204,8 +203,8 @@ pub fn compare(before: &ModelFile, after: &ModelFile) -> Result<Comparison, Erro
 fn masses(before: &ModelFile, after: &ModelFile) -> (Vec<Difference>, Vec<f64>) {
     let n = before.parameters.len();
     // Place of every parameter of the first file in the second.
-    let places = before.parameters.iter();
-    let places = places.filter_map(|p| after.parameters.iter().position(|own| own.name == p.name));
+    let place = |name: &str| after.parameters.iter().position(|own| own.name == name);
+    let places = before.parameters.iter().filter_map(|p| place(&p.name));
     let places: Vec<usize> = places.collect();
     let (a, b) = (covariance(before), covariance(after));
     let total = DMatrix::from_fn(n, n, |i, k| a[(i, k)] + b[(places[i], places[k])]);
@@ -216,8 +215,10 @@ fn masses(before: &ModelFile, after: &ModelFile) -> (Vec<Difference>, Vec<f64>) 
     };
     let differences = (0..n).map(difference).collect();
     let known: Vec<usize> = (0..n).filter(|&k| total[(k, k)].is_finite()).collect();
-    let gap = |&k: &usize| after.parameters[places[k]].value - before.parameters[k].value;
-    let gap = DVector::from_iterator(known.len(), known.iter().map(gap));
+    let gap = DVector::from_fn(known.len(), |at, _| {
+        let k = known[at];
+        after.parameters[places[k]].value - before.parameters[k].value
+    });
     let total = total.select_rows(&known).select_columns(&known);
     (differences, squares(total, &gap))
 }
@@ -258,10 +259,8 @@ fn squares(covariance: DMatrix<f64>, gap: &DVector<f64>) -> Vec<f64> {
 
 /// Smallest probability of Σ z² over the first 1, 2, 4, … directions, times their number.
 fn chance(squares: &[f64]) -> Option<f64> {
-    let (all, doubled) = (
-        squares.len(),
-        std::iter::successors(Some(1), |k| Some(2 * k)),
-    );
+    let all = squares.len();
+    let doubled = std::iter::successors(Some(1), |k| Some(2 * k));
     let counts = doubled.take_while(|k| *k < all);
     let counts: Vec<usize> = counts.chain((all > 0).then_some(all)).collect();
     let of = |count: &usize| {
@@ -274,17 +273,14 @@ fn chance(squares: &[f64]) -> Option<f64> {
 
 fn effects(before: &ModelFile, after: &ModelFile) -> Vec<EffectChange> {
     fn record<'f>(file: &'f ModelFile, own: &EffectRecord) -> Option<&'f EffectRecord> {
-        let same =
-            |other: &&EffectRecord| (&other.effect, &other.target) == (&own.effect, &own.target);
-        file.effects.iter().find(same)
+        let is_it = |x: &&EffectRecord| x.effect == own.effect && x.target == own.target;
+        file.effects.iter().find(is_it)
     }
-    let fresh = after
-        .effects
-        .iter()
-        .filter(|new| record(before, new).is_none());
+    let fresh = after.effects.iter();
+    let fresh = fresh.filter(|new| record(before, new).is_none());
     let all = before.effects.iter().chain(fresh);
-    all.map(|own| effect(own, [before, after].map(|file| record(file, own))))
-        .collect()
+    let change = |own| effect(own, [before, after].map(|file| record(file, own)));
+    all.map(change).collect()
 }
 
 /// What became of an effect, of which `own` is a record.

@@ -107,6 +107,21 @@ impl Error {
         Error::new(ErrorKind::Log, message).at(file, line)
     }
 
+    /// A fault of a log that does not know its name, which [`of_log`](Self::of_log) adds.
+    pub(crate) fn row(line: Option<u64>, message: impl Into<Message>) -> Error {
+        let mut error = Error::new(ErrorKind::Log, message);
+        error.0.line = line;
+        error
+    }
+
+    /// The same error of the log called `name`, if it is one of a log without its name.
+    pub(crate) fn of_log(mut self, name: &str) -> Error {
+        if matches!(self.0.kind, ErrorKind::Log | ErrorKind::Read) {
+            self.0.file.get_or_insert_with(|| name.to_string());
+        }
+        self
+    }
+
     /// A fault in a file of tolerances.
     pub(crate) fn prior(file: impl Into<String>, message: impl Into<Message>) -> Error {
         Error::new(ErrorKind::Prior, message).at(file, None)
@@ -119,9 +134,12 @@ impl Error {
 
     /// `file` cannot be read.
     pub(crate) fn read(file: impl Into<String>, source: io::Error) -> Error {
-        Error::new(ErrorKind::Read, "")
-            .at(file, None)
-            .because(source)
+        Error::unread(source).at(file, None)
+    }
+
+    /// A log cannot be read that does not know its name.
+    pub(crate) fn unread(source: io::Error) -> Error {
+        Error::new(ErrorKind::Read, "").because(source)
     }
 
     /// `file` cannot be written.

@@ -103,6 +103,12 @@ pub(crate) fn links(model: &Model) -> impl Iterator<Item = (usize, &Link, usize,
     })
 }
 
+/// Links that are fixed to the support, with their frames in its own.
+pub(crate) fn on_ground(model: &Model) -> impl Iterator<Item = (&Link, Pose)> {
+    let links = links(model).filter(|(_, _, body, _)| *body == 0);
+    links.map(|(_, link, _, place)| (link, place))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -218,7 +218,7 @@ impl Predictor {
             self.warn_of_soles(watch);
             return Ok(None);
         }
-        let (done, total) = self.reader.progress();
+        let (done, total) = self.reader.log.progress();
         tell(watch, "predicting", done, total)?;
         let found = self.predictions(&block, motion.as_ref(), watch)?;
         let finite = |row: &usize| {
@@ -243,9 +243,8 @@ impl Predictor {
     ) -> Result<Predictions, Error> {
         let dof = block.q.len() / block.len();
         let times = block.t.as_deref().unwrap_or_default();
-        let began_s = *self
-            .began_s
-            .get_or_insert(times.first().copied().unwrap_or_default());
+        let first_s = times.first().copied().unwrap_or_default();
+        let began_s = *self.began_s.get_or_insert(first_s);
         let positions = motion.map_or(&block.q, |motion| &motion.positions);
         let sides = positions.chunks_exact(dof.max(1));
         let sides = sides.flat_map(|q| self.approach.at(q).to_vec());
@@ -328,7 +327,7 @@ impl Predictor {
 
     /// What the reader noticed and has not yet been told.
     fn warn(&mut self, watch: &mut dyn Watch) {
-        let warnings = self.reader.warnings.drain(..);
+        let warnings = self.reader.log.warnings.drain(..);
         warnings.for_each(|warning| watch.warning(&warning));
     }
 }

@@ -142,9 +142,8 @@ impl Request {
                 (None, Some(given)) => q = given[start * dof..(start + n) * dof].to_vec(),
                 (None, None) => q = simulator.batch(n),
             }
-            let shifts = zmp
-                .as_ref()
-                .map(|zmp| zmp.shifts(&q, n, (&rates, &accelerations)));
+            let motion = (&rates[..], &accelerations[..]);
+            let shifts = zmp.as_ref().map(|zmp| zmp.shifts(&q, n, motion));
             let times = self.rate.map(|_| (0..n).map(time).collect());
             let postures = q.chunks_exact(dof.max(1));
             let log = InLog {
@@ -333,10 +332,8 @@ impl Simulator {
     /// The next posture, rad or m.
     pub fn posture(&mut self) -> Vec<f64> {
         let mut draw = || self.postures.random::<f64>();
-        let draws = self
-            .ranges
-            .iter()
-            .map(|(lower, upper)| lower + (upper - lower) * draw());
+        let ranges = self.ranges.iter();
+        let draws = ranges.map(|(lower, upper)| lower + (upper - lower) * draw());
         draws.collect()
     }
 

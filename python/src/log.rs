@@ -173,13 +173,8 @@ impl Log {
     /// Columns and rows of a table; none of a file.
     #[getter]
     fn size(&self) -> Option<(usize, usize)> {
-        let rows = |values: Values<'_>| match values {
-            Values::Numbers(x) => x.len(),
-            Values::Integers(x) => x.len(),
-            Values::Texts(x) => x.len(),
-        };
         let table = self.source.table()?;
-        let sizes = table.columns().map(|(_, values)| rows(values));
+        let sizes = table.columns().map(|(_, values)| values.rows());
         Some(sizes.fold((0, 0), |(columns, most), rows| {
             (columns + 1, most.max(rows))
         }))
@@ -235,6 +230,7 @@ impl Log {
                 Values::Texts(x) => {
                     columns.set_item(name, x.iter().map(|text| &**text).collect::<Vec<_>>())?;
                 }
+                Values::Unusable(..) => {}
             }
         }
         Ok(Some(columns))

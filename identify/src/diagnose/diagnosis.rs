@@ -12,13 +12,13 @@ use super::findings::{
 };
 use super::hypothesis::Term;
 use super::leftover::{Misfit, closure_found, is_open, suspects};
-use super::model_file::{settle, unsettled_reason};
+use super::model_file::{settle, state_com_apart, unsettled_reason};
 use super::outliers::Outliers;
-use super::problem::{ALL, Fit, Problem, Untold};
+use super::problem::{Fit, Problem, Untold};
 use super::remedy::Remedy;
 use super::search::{Beyond, Search};
-use super::words::{self, capital};
-use super::{com_spread, criteria, held_out, noise};
+use super::words::{self, Sizes, capital};
+use super::{criteria, held_out, noise};
 use crate::Error;
 use crate::observations::criteria::noise::ROWS;
 use crate::observations::noise::NoiseSource;
@@ -39,13 +39,12 @@ pub(super) fn find<'m>(
     watch: &mut dyn Watch,
 ) -> Result<Explained, Error> {
     let mut search = Search::new(whole_problem.clone());
-    let visible = search.visible.clone();
     // Nothing at all is left to tell the noise from.
     let hopeless = match whole_problem.first().why_untold(about.sole) {
         Some(Untold::Few { rows, directions }) => (rows as f64) < directions as f64 + ROWS,
         _ => false,
     };
-    let none = search.fit(&[], None);
+    let null = search.fit(&[], None);
     // Whatever explains broken data explains nothing.
     let (mut ranked, implausible) = match about.usable && !hopeless {
         true => {
@@ -54,13 +53,13 @@ pub(super) fn find<'m>(
             let outliers = |fit: &Fit| fit.outliers.as_ref().map_or(0, |o| o.named().len());
             let most = criteria::OUTLIER_SHARE * whole_problem.data().len() as f64;
             ranked.retain(|fit| outliers(fit) as f64 <= most);
-            judged(&mut search, ranked, &none)
+            judged(&mut search, ranked, &null)
         }
-        false => (vec![none.clone()], None),
+        false => (vec![null.clone()], None),
     };
     // Something is missing only if that is clearly better than nothing missing.
-    if none.score() < ranked[0].score() + criteria::OVER_NOTHING {
-        ranked = vec![none];
+    if null.score() < ranked[0].score() + criteria::OVER_NOTHING {
+        ranked = vec![null.clone()];
     }
     let mut best = ranked[0].clone();
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
@@ -83,7 +82,6 @@ pub(super) fn find<'m>(
     let baseline = held_out::of_cad(problem);
     let steps = held_out::order(&best, &mut |terms| search.fit(terms, None));
     let (told, steps): (Vec<usize>, Vec<Fit>) = steps.into_iter().unzip();
-    let null = search.fit(&[], None);
     let held_out = |step: &Fit| {
         let apart = held_out::apart_on_the_way(problem, step, steps.last().unwrap_or(&null));
         let (own, step) = settle(problem, step);
@@ -102,7 +100,7 @@ pub(super) fn find<'m>(
     };
     let scores = alone.iter();
     let scores = scores.filter_map(|fit| score(problem, fit, &no_effect));
-    let scores = scores.collect();
+    let scores: Vec<Score> = scores.collect();
     let expected = Misfit::of(problem, &null);
     let first = problem.first();
     let raw = baseline.errors.iter().zip(first.inverse_noise());
@@ -115,6 +113,7 @@ pub(super) fn find<'m>(
     };
     let members = members(problem, &class);
     let places = by_place(problem, &class);
+    let (blind, bearing) = detectable(problem, &search.visible);
     let (own, settled) = settle(problem, &best);
     let own = match own {
         Cow::Owned(own) => Some(own),
@@ -126,7 +125,7 @@ pub(super) fn find<'m>(
         *whole_problem = own;
         let problem = &*whole_problem;
         // Everything that is shown beside it is seen from the same masses.
-        let again = |fit: &Fit| problem.fit(&fit.terms, Some(fit), ALL);
+        let again = |fit: &Fit| problem.fit(&fit.terms, Some(fit));
         class = class.iter().map(again).collect();
         best = settled;
         if let Some(first) = class.first_mut().filter(|first| first.terms == best.terms) {
@@ -156,7 +155,6 @@ pub(super) fn find<'m>(
         true => suspects(problem, &best),
         false => Vec::new(),
     };
-    let (blind, bearing) = detectable(problem, &visible);
     let diagnosis = Diagnosis {
         verdict,
         health: about.health.clone(),
@@ -219,7 +217,7 @@ pub(super) fn find<'m>(
         untold,
         scores,
     };
-    com_spread::state(problem, &mut found);
+    state_com_apart(problem, &mut found);
     Ok(found)
 }
 
@@ -315,45 +313,39 @@ fn implausible(problem: &Problem, fit: &Fit) -> Option<String> {
     let terms = || fit.terms.iter().zip(&found);
     let of = |name: &str| terms().find(|(term, _)| term.name() == name);
     let is_odd = |gain: &Quantity| !criteria::GAIN_BESIDE_UNIT.contains(&gain.value);
-    // One sensor is not in a wrong unit and, beside that, wrong by half of itself.
-    if let (Some(_), Some((term, gain))) = (of("units"), of("sensor_gain"))
-        && gain.iter().any(|(_, gain)| is_odd(gain))
-    {
-        let clause = capital(&words::clause(context, term, gain));
-        return Some(format!(
-            "{clause} beside another unit would explain it best and is implausible: together they \
-             are no unit and no calibration."
-        ));
-    }
     // A gain that is known to no more than itself is none.
     let is_open = |gain: &Quantity| gain.std > gain.value.abs();
-    if let Some((term, gain)) =
-        of("sensor_gain").filter(|(_, own)| own.iter().any(|(_, x)| is_open(x)))
-    {
-        let clause = capital(&words::clause(context, term, gain));
-        return Some(format!(
-            "{clause} would explain it best and is implausible: its interval is wider than itself."
-        ));
-    }
-    let bounds = terms().find_map(|(term, found)| {
+    let of_gain = || {
+        let (term, gain) = of("sensor_gain")?;
+        let clause = words::clause(context, term, gain);
+        let any = |holds: fn(&Quantity) -> bool| gain.iter().any(|(_, own)| holds(own));
+        // One sensor is not in a wrong unit and, beside that, wrong by half of itself.
+        if of("units").is_some() && any(is_odd) {
+            let reason = "together they are no unit and no calibration";
+            return Some((clause + " beside another unit", reason));
+        }
+        any(is_open).then_some((clause, "its interval is wider than itself"))
+    };
+    let of_term = |(term, found): (&Term, &Sizes)| {
         let instance = term.effect()?;
         let values: Vec<f64> = found.iter().map(|(_, own)| own.value).collect();
         let (effect, target) = (instance.effect, &instance.target);
         let reason = effect
             .implausible_reason(context, target, &values)
             .or_else(|| effect.invalid_reason(context, target, &values))?;
-        let clause = capital(&words::clause(context, term, found));
-        Some(format!(
-            "{clause} would explain it best and is implausible: {reason}."
-        ))
-    });
-    bounds.or_else(|| {
+        Some((words::clause(context, term, found), reason))
+    };
+    let of_all = || {
         let reason = unsettled_reason(problem, fit)?;
-        let clauses = capital(&words::clauses(problem, fit).join(", with "));
-        Some(format!(
-            "{clauses} would explain it best and is implausible: {reason}."
-        ))
-    })
+        Some((words::clauses(problem, fit).join(", with "), reason))
+    };
+    let of_one = of_gain().or_else(|| terms().find_map(of_term));
+    let of_one = of_one.map(|(clause, reason)| (clause, reason.to_string()));
+    let (clause, reason) = of_one.or_else(of_all)?;
+    let clause = capital(&clause);
+    Some(format!(
+        "{clause} would explain it best and is implausible: {reason}."
+    ))
 }
 
 /// The best first, without those that only add to another.
@@ -511,9 +503,8 @@ fn detectable(problem: &Problem, visible: &[(Term, f64)]) -> (Vec<Blind>, Vec<Bl
     spots.sort_by(|a, b| a.from.total_cmp(&b.from));
     let bodies = &context.robot.chain.bodies;
     let carried = |spot: &Blind| {
-        let body = bodies
-            .iter()
-            .find(|body| body.joint.as_ref() == Some(&spot.target));
+        let mut bodies = bodies.iter();
+        let body = bodies.find(|body| body.joint.as_ref() == Some(&spot.target));
         body.map_or(0.0, |body| body.carried)
     };
     let most = spots.iter().map(carried).fold(0.0, f64::max);

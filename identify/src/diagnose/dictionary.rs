@@ -10,12 +10,12 @@
 
 use std::borrow::Cow;
 
-use nalgebra::{DMatrix, DMatrixView, DVector};
+use nalgebra::{Cholesky, DMatrix, DMatrixView, DVector, Dyn};
 
 use super::criteria;
 use super::hypothesis::{Term, effect_terms};
 use super::nuisance::Nuisance;
-use super::problem::{ALL, Block, Fit, Problem, side, stacked_residual, stacked_slopes};
+use super::problem::{Block, Fit, Problem, side, stacked_residual, stacked_slopes};
 use crate::fit::OFFSET;
 use crate::lsq::{factor_normal, transposed_times};
 use crate::threads::each_long;
@@ -173,44 +173,19 @@ impl Dictionary {
             let price = gain - b.dot(&factor.solve(&b)) + 2.0 * log_det;
             (tells(*std) && price > 0.0).then_some(price)
         };
-        let price = problem
-            .offset_stds
-            .iter()
-            .filter_map(price)
-            .min_by(f64::total_cmp)?;
-        Some((own.term.clone(), price))
+        let prices = problem.offset_stds.iter().filter_map(price);
+        Some((own.term.clone(), prices.min_by(f64::total_cmp)?))
     }
 
     /// How far each candidate would lower the objective of `fit`, to first order.
     pub(super) fn gains(&self, fit: &Fit, problem: &Problem) -> Vec<f64> {
-        let masses = problem.masses(&fit.terms);
-        let own = fit.unknowns.len();
-        // Slopes count as they are, residuals by their weights.
-        let mut residual = DMatrix::from_columns(&[fit.residual()]);
-        let weighting = problem.weighting(&fit.terms, fit.outliers.as_ref(), ALL);
-        weighting.weigh(&mut residual);
-        let mut rows = fit.slopes().insert_column(own, 0.0);
-        rows.set_column(own, &residual.column(0));
-        let left = problem.project_out(masses, &rows);
-        let of_own = transposed_times(&rows, &left);
-        let of_all = transposed_times(&self.slopes, &left);
-        let factor = factor_normal(of_own.view((0, 0), (own, own)).into_owned());
-        let pull = of_own.view((0, own), (own, 1)).column(0).into_owned();
+        let beside = Beside::new(problem, fit, None);
+        let products = transposed_times(&self.slopes, &beside.left);
         let squares = &self.squares[usize::from(fit.frees_masses())];
         let candidates = self.candidates.iter().zip(squares);
         let gains = candidates.map(|(c, square)| {
-            let b = of_all
-                .view((c.from, own), (c.count, 1))
-                .column(0)
-                .into_owned();
-            let taken = factor.as_ref().filter(|_| own > 0).map(|factor| {
-                let cross = of_all.view((c.from, 0), (c.count, own)).into_owned();
-                (
-                    cross.clone() * factor.solve(&cross.transpose()),
-                    cross * factor.solve(&pull),
-                )
-            });
-            gain(square, b, taken)
+            let own = products.rows(c.from, c.count).into_owned();
+            gain(square, beside.rest(square.clone(), &own))
         });
         gains.collect()
     }
@@ -219,11 +194,12 @@ impl Dictionary {
     /// slopes, `left` of which is no mass error: for wiring faults, tried by the hundred.
     pub(super) fn gains_of(&self, left: &DVector<f64>) -> Vec<f64> {
         let b = self.slopes.tr_mul(left);
-        self.candidates
-            .iter()
-            .zip(&self.squares[0])
-            .map(|(c, square)| gain(square, b.rows(c.from, c.count).into_owned(), None))
-            .collect()
+        let candidates = self.candidates.iter().zip(&self.squares[0]);
+        let gains = candidates.map(|(c, square)| {
+            let b = b.rows(c.from, c.count).into_owned();
+            gain(square, (square.clone(), b))
+        });
+        gains.collect()
     }
 
     /// Every pair's gain, by their places among the candidates.
@@ -254,26 +230,65 @@ impl Dictionary {
             let alone = ba.dot(&solved);
             for (j, second) in self.candidates.iter().enumerate().skip(i + 1) {
                 let cross = gram.view((second.from, first.from), (second.count, first.count));
-                let taken = (cross * factor.solve(&cross.transpose()), cross * &solved);
-                let bb = b.rows(second.from, second.count).into_owned();
-                each(i, j, alone + gain(&square(second), bb, Some(taken)));
+                let whole = square(second);
+                let a = &whole - cross * factor.solve(&cross.transpose());
+                let b = b.rows(second.from, second.count) - cross * &solved;
+                each(i, j, alone + gain(&whole, (a, b)));
             }
         }
     }
 }
 
-/// `bᵀ A⁻¹ b` once others have taken their part of A, a `square`, and of b; directions that they
-/// have copied are left out.
-fn gain(
-    square: &DMatrix<f64>,
-    mut b: DVector<f64>,
-    taken: Option<(DMatrix<f64>, DVector<f64>)>,
-) -> f64 {
-    let mut a = square.clone();
-    if let Some((of_square, of_b)) = taken {
-        a -= of_square;
-        b -= of_b;
+/// What a hypothesis leaves, to first order: of the residuals, and of columns beside its own.
+pub(super) struct Beside {
+    /// S times its slopes and, behind them, what it leaves.
+    pub left: DMatrix<f64>,
+    /// Of its own unknowns, with what is left of their gradient.
+    own: Option<(Cholesky<f64, Dyn>, DVector<f64>)>,
+}
+
+impl Beside {
+    /// In all rows, or in some of them as if these were all.
+    pub(super) fn new(problem: &Problem, fit: &Fit, rows: Option<&[usize]>) -> Beside {
+        let own = fit.unknowns.len();
+        // Slopes count as they are, residuals by their weights.
+        let weighting = problem.weighting(&fit.terms, fit.outliers.as_ref());
+        let mut all = fit.slopes().insert_column(own, 0.0);
+        all.set_column(own, &weighting.residual(fit));
+        let mut left = problem.project_out(problem.masses(&fit.terms), &all);
+        if let Some(rows) = rows {
+            (all, left) = (all.select_rows(rows), left.select_rows(rows));
+        }
+        let of_own = transposed_times(&all, &left);
+        let factor = factor_normal(of_own.view((0, 0), (own, own)).into_owned());
+        let pull = of_own.view((0, own), (own, 1)).column(0).into_owned();
+        Beside {
+            left,
+            own: factor.filter(|_| own > 0).map(|factor| (factor, pull)),
+        }
     }
+
+    /// What is left of a square `a` and of the gradient of columns once the hypothesis has taken
+    /// its part, by their `products` with what it leaves.
+    pub(super) fn rest(
+        &self,
+        mut a: DMatrix<f64>,
+        products: &DMatrix<f64>,
+    ) -> (DMatrix<f64>, DVector<f64>) {
+        let own = products.ncols() - 1;
+        let mut b = products.column(own).into_owned();
+        if let Some((factor, pull)) = &self.own {
+            let cross = products.columns(0, own).into_owned();
+            a -= &cross * factor.solve(&cross.transpose());
+            b -= cross * factor.solve(pull);
+        }
+        (a, b)
+    }
+}
+
+/// `bᵀ A⁻¹ b` where others have left so much of A, a `square`, and of b; directions that they
+/// have copied are left out.
+fn gain(square: &DMatrix<f64>, (a, b): (DMatrix<f64>, DVector<f64>)) -> f64 {
     match safe(a, square).cholesky() {
         Some(factor) => b.dot(&factor.solve(&b)).max(0.0),
         None => 0.0,

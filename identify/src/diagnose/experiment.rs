@@ -16,8 +16,8 @@ use sesc_model::{Model, Snapping};
 
 use super::criteria::{self, NEXT_POSTURES, TOLD_APART};
 use super::findings::{ExperimentProposal, Explained, Verdict};
-use super::hypothesis::{CarriedExplanation, Term, with_places};
-use super::problem::{ALL, Block, Fit, OnBlock, Problem, below, side};
+use super::hypothesis::{CarriedExplanation, Term};
+use super::problem::{Block, Fit, OnBlock, Problem, below, side};
 use crate::Error;
 use crate::logs::{PostureWriter, Row, Sidecar, Written};
 use crate::observations::postures::range as range_of;
@@ -103,7 +103,7 @@ impl<'a, 'm> Trial<'a, 'm> {
         let mut by_posture = vec![0.0; n];
         let (expected, _) = self.rows(truth);
         let expected = expected + self.mass_shift(truth);
-        let found = self.here.mass_errors(truth, ALL);
+        let found = self.here.mass_errors(truth);
         // The total mass moves no reading, old or new.
         let total = usize::from(self.here.prior(&truth.terms).total.is_some());
         let paid = found.rows(0, found.len() - total).norm_squared();
@@ -128,20 +128,13 @@ impl<'a, 'm> Trial<'a, 'm> {
         if self.there.experiment != Some(Experiment::RawCells) {
             return 0.0;
         }
-        let (context, data) = (self.here.context(), self.here.data());
-        let carried = |fit: &Fit| -> f64 {
-            let shares = with_places(&fit.terms, context).map(|(term, own)| {
-                let own = &fit.unknowns[own];
-                let mass = context.mass();
-                let share = term
-                    .effect()
-                    .map_or(0.0, |i| i.effect.load_share(own, mass));
-                context.mass() * share / (1.0 - share)
-            });
-            shares.sum()
+        let (first, data) = (self.here.first(), self.here.data());
+        let carried = |fit: &Fit| {
+            let own = self.here.carried(first, &fit.terms, &fit.unknowns);
+            first.carried(&own).0
         };
         let arms = data.cells.iter().map(|c| c[0].abs());
-        let noise = data.noise_floor * context.mass() / arms.fold(0.0, f64::max).max(0.01);
+        let noise = data.noise_floor / arms.fold(0.0, f64::max).max(0.01);
         data.len() as f64 * ((carried(truth) - carried(other)) / noise).powi(2)
     }
 
@@ -196,9 +189,8 @@ impl<'a, 'm> Trial<'a, 'm> {
         let dof = self.there.model.dof();
         let from_other = self.there.experiment == Some(Experiment::BothSides);
         let sense = if from_other { -1.0 } else { 1.0 };
-        let moments = self
-            .there
-            .evaluate_moments(terms, unknowns, &data.q, &context);
+        let there = &self.there;
+        let moments = there.evaluate_moments(terms, unknowns, &data.q, &context);
         let joints = joints.iter().map(|(joint, _)| *joint);
         self.there.put_sides(&mut context, joints, |k, joint, _| {
             sense * side(moments[k * 3 * dof + joint])
@@ -222,11 +214,11 @@ impl<'a, 'm> Trial<'a, 'm> {
         let (here, old) = (self.here, self.here.masses(terms).columns());
         let noise = here.data().noise_floor;
         let new = self.there.rows_of_first() * &here.prior(terms).factor / noise;
-        let parts = here
-            .readings()
-            .map(|range| old.rows_range(range))
-            .chain([new.as_view()]);
-        below(&parts.collect::<Vec<_>>(), old.ncols())
+        let parts = here.readings().map(|range| old.rows_range(range));
+        below(
+            &parts.chain([new.as_view()]).collect::<Vec<_>>(),
+            old.ncols(),
+        )
     }
 }
 
@@ -466,10 +458,8 @@ pub(super) fn why(proposed: &[Proposed], found: &Explained) -> String {
         best.what
     );
     let more = proposed.iter().skip(1).filter(|(p, _)| p.splits > 0);
-    let more = more
-        .take(2)
-        .map(|(p, _)| format!("{} ({})", p.what, p.splits));
-    let more: Vec<String> = more.collect();
+    let more = more.map(|(p, _)| format!("{} ({})", p.what, p.splits));
+    let more: Vec<String> = more.take(2).collect();
     if !more.is_empty() {
         text.push_str(&format!(" Next best: {}.", more.join("; ")));
     }

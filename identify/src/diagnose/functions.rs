@@ -11,7 +11,9 @@
 //! is looked at. Sites of the reading take no position or moment of joints: else every fault of a
 //! joint has a twin that corrects the reading and not the body.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use std::collections::HashMap;
+
+use nalgebra::{DMatrix, DVector};
 use sesc_model::effects::{
     Composed, Constant, Definition, Instance, PostureContext, Site, Target, Unit,
 };
@@ -20,17 +22,15 @@ use sesc_model::formula::Formula;
 use super::criteria::functions::{
     LEAST_PART, OF_A_PLACE, OF_ALL, PAIRS_OF_JOINTS, PARTS, PER_TURN, POSTURES, SIZES, STARTS,
 };
-use super::dictionary::Dictionary;
-use super::hypothesis::Term;
-use super::problem::{ALL, Fit, Problem, Proposal};
-use crate::lsq::{factor_normal, transposed_times};
+use super::dictionary::{Beside, Dictionary};
+use super::hypothesis::{Term, compatible, keep_some};
+use super::problem::{Block, Fit, Problem, Proposal};
+use crate::lsq::transposed_times;
+use crate::observations::postures::range;
 use crate::threads::each_long;
 
-/// Knots of a curve.
-const KNOTS: usize = 7;
-
 /// A variable that functions take.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Variable {
     Position(usize),
     Moment(usize),
@@ -39,104 +39,135 @@ enum Variable {
     Time,
 }
 
-/// A function of a variable without its size.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Shape {
-    Linear,
-    Square,
-    Cube,
-    Sine(f64),
-    Cosine(f64),
-    /// How far above, or below, it is.
-    Above(f64),
-    Below(f64),
-    /// `v |v|`, `sign v √|v|`.
-    Growing,
-    Flattening,
-    /// Whether it is above.
-    Since(f64),
-    Decay(f64),
-    /// Times the reading along y.
-    TimesY,
-    /// One at a knot, falling to none at its neighbours, which are so far away.
-    Hat(f64, f64),
+/// A function of a variable v without its size, and of up to two constants c and d.
+struct Shape {
+    /// As a formula.
+    text: &'static str,
+    /// Of v and of the reading along y, and of the constants.
+    of: fn([f64; 2], [f64; 2]) -> f64,
+    /// Name of c where a fit moves it; else c is a number of the formula.
+    constant: Option<&'static str>,
+    /// Whether it has no unit, whatever that of its variable is.
+    is_plain: bool,
+}
+
+const fn shape(text: &'static str, of: fn([f64; 2], [f64; 2]) -> f64) -> Shape {
+    Shape {
+        text,
+        of,
+        constant: None,
+        is_plain: false,
+    }
 }
 
 impl Shape {
-    fn of(self, v: f64, y: f64) -> f64 {
-        match self {
-            Shape::Linear => v,
-            Shape::Square => v * v,
-            Shape::Cube => v * v * v,
-            Shape::Sine(n) => (n * v).sin(),
-            Shape::Cosine(n) => (n * v).cos(),
-            Shape::Above(from) => (v - from).max(0.0),
-            Shape::Below(from) => (from - v).max(0.0),
-            Shape::Growing => v * v.abs(),
-            Shape::Flattening => v.signum() * v.abs().sqrt(),
-            Shape::Since(from) => f64::from(u8::from(v > from)),
-            Shape::Decay(lasts) => (-v / lasts).exp(),
-            Shape::TimesY => v * y,
-            Shape::Hat(at, apart) => (1.0 - ((v - at) / apart).abs()).max(0.0),
+    const fn plain(self) -> Shape {
+        Shape {
+            is_plain: true,
+            ..self
         }
     }
 
-    /// As a formula of `v` with its own constant.
-    fn text(self, v: &str, own: &str) -> String {
-        let number = |n: f64| format!("{n:?}");
-        match self {
-            Shape::Linear => v.to_string(),
-            Shape::Square => format!("{v} * {v}"),
-            Shape::Cube => format!("{v} * {v} * {v}"),
-            Shape::Sine(1.0) => format!("sin({v})"),
-            Shape::Cosine(1.0) => format!("cos({v})"),
-            Shape::Sine(n) => format!("sin({} * {v})", number(n)),
-            Shape::Cosine(n) => format!("cos({} * {v})", number(n)),
-            Shape::Above(_) => format!("max({v} - {own}, 0.0)"),
-            Shape::Below(_) => format!("max({own} - {v}, 0.0)"),
-            Shape::Growing => format!("{v} * abs({v})"),
-            Shape::Flattening => format!("sign({v}) * sqrt(abs({v}))"),
-            Shape::Since(_) => format!("sign(max({v} - {own}, 0.0))"),
-            Shape::Decay(_) => format!("exp(-{v} / {own})"),
-            Shape::TimesY => format!("{v} * y"),
-            Shape::Hat(at, apart) => {
-                let (at, apart) = (number(at), number(apart));
-                format!("max(1.0 - abs({v} - {at}) / {apart}, 0.0)")
-            }
-        }
-    }
-
-    /// The same with another constant.
-    fn with(self, at: f64) -> Shape {
-        match self {
-            Shape::Above(_) => Shape::Above(at),
-            Shape::Below(_) => Shape::Below(at),
-            Shape::Since(_) => Shape::Since(at),
-            Shape::Decay(_) => Shape::Decay(at),
-            other => other,
-        }
-    }
-
-    /// Whether it has no unit, whatever that of its variable is.
-    fn is_plain(self, variable: Variable) -> bool {
-        match self {
-            Shape::Sine(_) | Shape::Cosine(_) | Shape::Since(_) | Shape::Decay(_) => true,
-            Shape::Hat(..) => true,
-            Shape::Linear => matches!(variable, Variable::Approach(_)),
-            _ => false,
-        }
-    }
-
-    /// Its own constant, with its value.
-    fn constant(self) -> Option<(&'static str, f64)> {
-        match self {
-            Shape::Above(from) | Shape::Below(from) | Shape::Since(from) => Some(("start", from)),
-            Shape::Decay(lasts) => Some(("lasts", lasts)),
-            _ => None,
+    const fn fitted(self, constant: &'static str) -> Shape {
+        Shape {
+            constant: Some(constant),
+            ..self
         }
     }
 }
 
+static LINEAR: Shape = shape("{v}", |[v, _], _| v);
+static SQUARE: Shape = shape("{v} * {v}", |[v, _], _| v * v);
+static CUBE: Shape = shape("{v} * {v} * {v}", |[v, _], _| v * v * v);
+static TIMES_Y: Shape = shape("{v} * y", |[v, y], _| v * y);
+static GROWING: Shape = shape("{v} * abs({v})", |[v, _], _| v * v.abs());
+static FLATTENING: Shape = shape("sign({v}) * sqrt(abs({v}))", |[v, _], _| {
+    v.signum() * v.abs().sqrt()
+});
+/// The side that a joint came from.
+static SIDE: Shape = shape("{v}", |[v, _], _| v).plain();
+static WAVES: [Shape; 2] = [
+    shape("sin({v})", |[v, _], _| v.sin()).plain(),
+    shape("cos({v})", |[v, _], _| v.cos()).plain(),
+];
+static RIPPLES: [Shape; 2] = [
+    shape("sin({c} * {v})", |[v, _], [c, _]| (c * v).sin()).plain(),
+    shape("cos({c} * {v})", |[v, _], [c, _]| (c * v).cos()).plain(),
+];
+static ABOVE: Shape = shape("max({v} - {c}, 0.0)", |[v, _], [c, _]| (v - c).max(0.0)).fitted(START);
+static BELOW: Shape = shape("max({c} - {v}, 0.0)", |[v, _], [c, _]| (c - v).max(0.0)).fitted(START);
+static SINCE: Shape = shape("sign(max({v} - {c}, 0.0))", |[v, _], [c, _]| {
+    f64::from(u8::from(v > c))
+})
+.plain()
+.fitted(START);
+static DECAY: Shape = shape("exp(-{v} / {c})", |[v, _], [c, _]| (-v / c).exp())
+    .plain()
+    .fitted("lasts");
+/// One at a knot, falling to none at its neighbours, which are d away.
+static HAT: Shape = shape("max(1.0 - abs({v} - {c}) / {d}, 0.0)", |[v, _], [c, d]| {
+    (1.0 - ((v - c) / d).abs()).max(0.0)
+})
+.plain();
+const START: &str = "start";
+
+/// A shape with its constants.
+type At = (&'static Shape, [f64; 2]);
+
+/// What people call a form, and the subject of a sentence about it.
+type Words = (&'static str, &'static str);
+const ECCENTRICITY: Words = (
+    "encoder_eccentricity",
+    "an encoder of {target} that is off centre",
+);
+const CURVATURE: Words = (
+    "joint_curvature",
+    "an error of {target} that is curved in its angle",
+);
+const STOP: Words = (
+    "joint_stop",
+    "a stop or a pull at {target} from an angle on",
+);
+const OF_POSITION: Words = (
+    "joint_error",
+    "an error of {target} that is a curve of its position",
+);
+const OF_MOMENT: Words = (
+    "joint_error",
+    "an error of {target} that is a curve of its moment",
+);
+const SOFTENING: Words = ("spring_softening", "a spring at {target} that softens");
+const HARDENING: Words = ("spring_hardening", "a spring at {target} that hardens");
+const HYSTERESIS: Words = ("joint_hysteresis", "hysteresis of {target}");
+const DRIFT: Words = ("joint_drift", "a drift of {target}");
+const SLIP: Words = ("joint_slip", "a slip of {target} during the log");
+const NONLINEARITY: Words = (
+    "sensor_nonlinearity",
+    "readings along {target} that are not linear",
+);
+const KINK: Words = ("sensor_kink", "a kink of the readings along {target}");
+const OF_READING: Words = (
+    "sensor_error",
+    "an error of the readings along {target} that is a curve of them",
+);
+const CROSSTALK: Words = (
+    "sensor_crosstalk",
+    "crosstalk into the readings along {target}",
+);
+const STEP: Words = ("sensor_error", "a step of the readings along {target}");
+const WARMUP: Words = ("sensor_warmup", "a sensor that warms up along {target}");
+const SOFT_GROUND: Words = (
+    "soft_ground",
+    "ground that gives way, with a slope along {target}",
+);
+const GROUND: Words = (
+    "ground_error",
+    "a slope of the ground along {target} that changes",
+);
+const LOAD: Words = ("load_error", "a load of {target} that changes");
+
+/// Knots of a curve.
+const KNOTS: usize = 7;
 /// Sizes of the terms of a form, in their order.
 const COEFFICIENTS: [&str; KNOTS] = ["a", "b", "c", "d", "e", "f", "g"];
 
@@ -145,7 +176,21 @@ const COEFFICIENTS: [&str; KNOTS] = ["a", "b", "c", "d", "e", "f", "g"];
 struct Form {
     place: usize,
     variable: Variable,
-    shapes: Vec<Shape>,
+    shapes: Vec<At>,
+    name: &'static str,
+    sentence: String,
+}
+
+impl Form {
+    /// Name and value of the constant that a fit moves.
+    fn constant(&self) -> Option<(&'static str, f64)> {
+        let (shape, [c, _]) = self.shapes[0];
+        Some((shape.constant?, c))
+    }
+
+    fn unknowns(&self) -> usize {
+        self.shapes.len() + usize::from(self.constant().is_some())
+    }
 }
 
 /// A site with the columns of what is added there.
@@ -160,96 +205,42 @@ struct Place {
 pub(super) struct Functions {
     places: Vec<Place>,
     forms: Vec<Form>,
-    /// Values of variables, posture by posture.
-    values: Values,
+    /// Of variables, posture by posture.
+    values: HashMap<Variable, Vec<f64>>,
     /// Rows among all of the problem.
     rows: Vec<usize>,
     /// Postures of the log for each that is looked at.
     part: f64,
 }
 
-struct Values {
-    positions: Vec<Vec<f64>>,
-    moments: Vec<Vec<f64>>,
-    approach: Vec<Vec<f64>>,
-    reading: [Vec<f64>; 2],
-    time: Vec<f64>,
-}
-
-impl Values {
-    fn of(&self, variable: Variable) -> &[f64] {
-        match variable {
-            Variable::Position(j) => &self.positions[j],
-            Variable::Moment(j) => &self.moments[j],
-            Variable::Approach(j) => &self.approach[j],
-            Variable::Reading(axis) => &self.reading[axis],
-            Variable::Time => &self.time,
-        }
-    }
-}
-
 /// A hypothesis that forms are tried beside, in the rows that are looked at.
-struct Beside {
+struct Tried {
+    beside: Beside,
     /// Masses' directions K, and L of `I + Kᵀ K = L Lᵀ`.
     k: DMatrix<f64>,
     l: DMatrix<f64>,
     /// Whether they are free within the usual tolerances.
     is_wide: bool,
-    /// S times its slopes and, behind them, what it leaves.
-    left: DMatrix<f64>,
-    /// Of its own unknowns, with what is left of their gradient.
-    own: Option<(Cholesky<f64, Dyn>, DVector<f64>)>,
 }
 
-impl Beside {
-    fn of(functions: &Functions, fit: &Fit, problem: &Problem) -> Beside {
-        let (own, rows) = (fit.unknowns.len(), &functions.rows);
-        let weighting = problem.weighting(&fit.terms, fit.outliers.as_ref(), ALL);
-        let mut residual = DMatrix::from_columns(&[fit.residual()]);
-        weighting.weigh(&mut residual);
-        let mut all = fit.slopes().insert_column(own, 0.0);
-        all.set_column(own, &residual.column(0));
-        let masses = problem.masses(&fit.terms);
-        let left = problem.project_out(masses, &all).select_rows(rows);
-        // Of the postures that are looked at, as if they were all.
-        let of_own = transposed_times(&all.select_rows(rows), &left);
-        let factor = factor_normal(of_own.view((0, 0), (own, own)).into_owned());
-        let pull = of_own.view((0, own), (own, 1)).column(0).into_owned();
-        Beside {
-            k: masses.columns().select_rows(rows),
-            l: masses.factor().l_dirty().clone(),
-            is_wide: fit.frees_masses(),
-            left,
-            own: factor.filter(|_| own > 0).map(|factor| (factor, pull)),
-        }
+/// Gain and sizes of columns c, of which masses take L⁻¹ Kᵀ c, by their products with what is left
+/// beside a hypothesis; none where they do what others do already.
+fn gain(
+    beside: &Beside,
+    c: &DMatrix<f64>,
+    taken: &DMatrix<f64>,
+    products: &DMatrix<f64>,
+) -> Option<(f64, Vec<f64>)> {
+    let (mut a, b) = beside.rest(c.tr_mul(c) - taken.tr_mul(taken), products);
+    let tells = |k: usize| a[(k, k)] > LEAST_PART * c.column(k).norm_squared();
+    if !(0..c.ncols()).all(tells) {
+        return None;
     }
-
-    /// Gain and sizes of columns c, of which masses take L⁻¹ Kᵀ c; none where they do what others
-    /// do already.
-    fn gain(
-        &self,
-        c: &DMatrix<f64>,
-        taken: &DMatrix<f64>,
-        of_form: &DMatrix<f64>,
-    ) -> Option<(f64, Vec<f64>)> {
-        let (count, own) = (c.ncols(), of_form.ncols() - 1);
-        let mut a = c.tr_mul(c) - taken.tr_mul(taken);
-        let mut b = of_form.column(own).into_owned();
-        if let Some((factor, pull)) = &self.own {
-            let cross = of_form.columns(0, own).into_owned();
-            a -= &cross * factor.solve(&cross.transpose());
-            b -= cross * factor.solve(pull);
-        }
-        let tells = |k: usize| a[(k, k)] > LEAST_PART * c.column(k).norm_squared();
-        if !(0..count).all(tells) {
-            return None;
-        }
-        for k in 0..count {
-            a[(k, k)] *= 1.0 + LEAST_PART;
-        }
-        let sizes = a.cholesky()?.solve(&b);
-        Some((b.dot(&sizes).max(0.0), sizes.as_slice().to_vec()))
+    for k in 0..c.ncols() {
+        a[(k, k)] *= 1.0 + LEAST_PART;
     }
+    let sizes = a.cholesky()?.solve(&b);
+    Some((b.dot(&sizes).max(0.0), sizes.as_slice().to_vec()))
 }
 
 /// What a form gains beside a hypothesis, and the sizes at which it does.
@@ -263,21 +254,17 @@ struct Gain {
 impl Functions {
     /// All that the logs of a problem have the variables of.
     pub(super) fn new(problem: &Problem, dictionary: &Dictionary) -> Functions {
-        let context = problem.context();
         let postures: usize = problem.blocks.iter().map(|block| block.data.len()).sum();
         let every = postures.div_ceil(POSTURES).max(1);
-        let (mut rows, mut values, mut seen) = (Vec::new(), Values::none(context.robot.dof()), 0);
+        let (mut rows, mut values, mut seen) = (Vec::new(), HashMap::new(), 0);
         for (block, range) in problem.blocks.iter().zip(problem.readings()) {
             let chosen: Vec<usize> = (0..block.data.len())
                 .filter(|k| (seen + k).is_multiple_of(every))
                 .collect();
             seen += block.data.len();
-            values.extend(problem, block, &chosen);
-            rows.extend(
-                chosen
-                    .iter()
-                    .flat_map(|k| [0, 1].map(|axis| range.start + 2 * k + axis)),
-            );
+            read(problem, block, &chosen, &mut values);
+            let of_posture = |k: &usize| [0, 1].map(|axis| range.start + 2 * k + axis);
+            rows.extend(chosen.iter().flat_map(of_posture));
         }
         let mut functions = Functions {
             places: places(problem, dictionary, &rows),
@@ -286,7 +273,9 @@ impl Functions {
             values,
             rows,
         };
-        functions.forms = functions.all_forms(problem);
+        for place in 0..functions.places.len() {
+            functions.forms_of(place, problem);
+        }
         functions
     }
 
@@ -297,90 +286,76 @@ impl Functions {
 
     /// The forms that would improve each of some hypotheses most, fewer of one place than of all.
     pub(super) fn proposals(&self, parents: &[Fit], problem: &Problem) -> Vec<Proposal> {
-        let beside = parents.iter().map(|fit| Beside::of(self, fit, problem));
-        let beside: Vec<Beside> = beside.collect();
-        let gains = self.gains(&beside, &self.forms).into_iter();
-        let all = gains.zip(parents).zip(&beside);
-        all.flat_map(|((gains, parent), beside)| self.best_of(gains, parent, beside, problem))
-            .collect()
-    }
-
-    /// Those of one hypothesis.
-    fn best_of(
-        &self,
-        mut found: Vec<Gain>,
-        parent: &Fit,
-        beside: &Beside,
-        problem: &Problem,
-    ) -> Vec<Proposal> {
-        let price = |form: &Form| problem.penalty_of_function(form.unknowns());
-        let score = |own: &Gain| price(&own.form) - own.gain;
-        found.retain(|own| score(own) < 0.0);
-        found.sort_by(|a, b| score(a).total_cmp(&score(b)));
-        let mut of_places = vec![0; self.places.len()];
-        found.retain(|own| {
-            of_places[own.form.place] += 1;
-            of_places[own.form.place] <= OF_A_PLACE
+        let tried = parents.iter().map(|fit| {
+            let masses = problem.masses(&fit.terms);
+            Tried {
+                beside: Beside::new(problem, fit, Some(&self.rows)),
+                k: masses.columns().select_rows(&self.rows),
+                l: masses.factor().l_dirty().clone(),
+                is_wide: fit.frees_masses(),
+            }
         });
-        found.truncate(OF_ALL);
-        let proposals = found.iter().filter_map(|own| {
-            let own = &self.settled(beside, own);
-            let term = Term::Effect(self.instance(problem, own)?);
-            let fits = parent.terms.iter().all(|other| other.is_compatible(&term));
-            fits.then(|| Proposal {
-                predicted_score: parent.score() + score(own),
-                terms: [&parent.terms[..], &[term]].concat(),
-                parent: Some(parent.clone()),
-            })
-        });
-        proposals.collect()
+        let tried: Vec<Tried> = tried.collect();
+        let score = |own: &Gain| problem.penalty_of_function(own.form.unknowns()) - own.gain;
+        let mut proposals = Vec::new();
+        let gains = self.gains(&tried, &self.forms).into_iter();
+        for ((mut found, parent), tried) in gains.zip(parents).zip(&tried) {
+            found.retain(|own| score(own) < 0.0);
+            found.sort_by(|a, b| score(a).total_cmp(&score(b)));
+            keep_some(&mut found, |own| own.form.place, OF_A_PLACE, OF_ALL);
+            proposals.extend(found.into_iter().filter_map(|own| {
+                let own = self.settled(tried, own);
+                let term = Term::Effect(self.instance(problem, &own)?);
+                compatible(&parent.terms, &term).then(|| Proposal {
+                    predicted_score: parent.score() + score(&own),
+                    terms: [&parent.terms[..], &[term]].concat(),
+                    parent: Some(parent.clone()),
+                })
+            }));
+        }
+        proposals
     }
 
     /// The same form where it begins, or lasts, as long as is best.
-    fn settled(&self, beside: &Beside, own: &Gain) -> Gain {
-        let form = &own.form;
-        let Some((shape, _)) = form.shapes[0].constant().map(|own| (form.shapes[0], own)) else {
-            return own.clone();
-        };
-        let mut values = self.values.of(form.variable).to_vec();
+    fn settled(&self, beside: &Tried, own: Gain) -> Gain {
+        if own.form.constant().is_none() {
+            return own;
+        }
+        let mut values = self.values[&own.form.variable].clone();
         values.sort_by(f64::total_cmp);
         values.dedup();
         let every = values.len().div_ceil(STARTS).max(1);
-        let between = values.windows(2).step_by(every);
-        let between = between.map(|pair| 0.5 * (pair[0] + pair[1]));
-        let forms = between.map(|at| Form {
-            shapes: vec![shape.with(at)],
-            ..form.clone()
+        let forms = values.windows(2).step_by(every).map(|pair| Form {
+            shapes: vec![(own.form.shapes[0].0, [0.5 * (pair[0] + pair[1]), 0.0])],
+            ..own.form.clone()
         });
         let all = self.gains(std::slice::from_ref(beside), &forms.collect::<Vec<_>>());
-        let best = all
-            .into_iter()
-            .flatten()
-            .max_by(|a, b| a.gain.total_cmp(&b.gain));
-        best.filter(|best| best.gain > own.gain)
-            .unwrap_or_else(|| own.clone())
+        let best = all.into_iter().flatten();
+        let best = best.max_by(|a, b| a.gain.total_cmp(&b.gain));
+        best.filter(|best| best.gain > own.gain).unwrap_or(own)
     }
 
     /// What forms gain beside each of some hypotheses.
-    fn gains(&self, beside: &[Beside], forms: &[Form]) -> Vec<Vec<Gain>> {
+    fn gains(&self, tried: &[Tried], forms: &[Form]) -> Vec<Vec<Gain>> {
         let of_place = |place: usize| -> Vec<Vec<Gain>> {
             let forms: Vec<&Form> = forms.iter().filter(|form| form.place == place).collect();
             let columns = self.columns(&forms);
-            let mut squares: [Option<DMatrix<f64>>; 2] = [None, None];
-            let gains = beside.iter().map(|beside| {
-                let taken = squares[usize::from(beside.is_wide)].get_or_insert_with(|| {
-                    let mut taken = transposed_times(&beside.k, &columns);
-                    beside.l.solve_lower_triangular_mut(&mut taken);
+            let mut of_masses: [Option<DMatrix<f64>>; 2] = [None, None];
+            let gains = tried.iter().map(|own| {
+                let taken = of_masses[usize::from(own.is_wide)].get_or_insert_with(|| {
+                    let mut taken = transposed_times(&own.k, &columns);
+                    own.l.solve_lower_triangular_mut(&mut taken);
                     taken
                 });
-                let of_all = transposed_times(&columns, &beside.left);
+                let products = transposed_times(&columns, &own.beside.left);
                 let mut at = 0;
                 let gains = forms.iter().filter_map(|form| {
                     let count = form.shapes.len();
-                    let (c, t) = (columns.columns(at, count), taken.columns(at, count));
-                    let of_form = of_all.rows(at, count).into_owned();
+                    let of_form = |all: &DMatrix<f64>| all.columns(at, count).into_owned();
+                    let (c, taken) = (of_form(&columns), of_form(taken));
+                    let products = products.rows(at, count).into_owned();
                     at += count;
-                    let (gain, sizes) = beside.gain(&c.into_owned(), &t.into_owned(), &of_form)?;
+                    let (gain, sizes) = gain(&own.beside, &c, &taken, &products)?;
                     Some(Gain {
                         form: (*form).clone(),
                         gain: self.part * gain,
@@ -391,9 +366,8 @@ impl Functions {
             });
             gains.collect()
         };
-        let places = 0..self.places.len();
-        let mut all = vec![Vec::new(); beside.len()];
-        for of_place in each_long(places, of_place) {
+        let mut all = vec![Vec::new(); tried.len()];
+        for of_place in each_long(0..self.places.len(), of_place) {
             let both = all.iter_mut().zip(of_place);
             both.for_each(|(all, some)| all.extend(some));
         }
@@ -402,130 +376,129 @@ impl Functions {
 
     /// The columns of forms at one place, side by side.
     fn columns(&self, forms: &[&Form]) -> DMatrix<f64> {
-        let shapes = forms
-            .iter()
-            .flat_map(|form| form.shapes.iter().map(move |s| (*form, *s)));
-        let columns: Vec<DVector<f64>> = shapes
-            .map(|(form, shape)| {
-                let slope = &self.places[form.place].slope;
-                let (v, y) = (self.values.of(form.variable), &self.values.reading[1]);
-                DVector::from_fn(self.rows.len(), |row, _| {
-                    slope[row] * shape.of(v[row / 2], y[row / 2])
-                })
+        let y = &self.values[&Variable::Reading(1)];
+        let columns = forms.iter().flat_map(|form| {
+            let (slope, v) = (&self.places[form.place].slope, &self.values[&form.variable]);
+            form.shapes.iter().flat_map(move |(shape, constants)| {
+                let value = move |row: usize| (shape.of)([v[row / 2], y[row / 2]], *constants);
+                let slopes = slope.iter().enumerate();
+                slopes.map(move |(row, slope)| slope * value(row))
             })
-            .collect();
-        match columns.is_empty() {
-            true => DMatrix::zeros(self.rows.len(), 0),
-            false => DMatrix::from_columns(&columns),
-        }
+        });
+        let columns: Vec<f64> = columns.collect();
+        let rows = self.rows.len();
+        DMatrix::from_vec(rows, columns.len() / rows.max(1), columns)
     }
 
-    fn all_forms(&self, problem: &Problem) -> Vec<Form> {
-        let robot = problem.context().robot;
+    /// Add the forms at a place whose variables vary.
+    fn forms_of(&mut self, place: usize, problem: &Problem) {
+        let (values, forms) = (&self.values, &mut self.forms);
         let timed = problem.blocks.iter().all(|block| block.data.t.is_some());
-        let mut forms = Vec::new();
-        for (place, own) in self.places.iter().enumerate() {
-            let mut of = |variable: Variable, shapes: Vec<Vec<Shape>>| {
-                let values = self.values.of(variable);
-                let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-                let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                if most > least {
-                    forms.extend(shapes.into_iter().map(|shapes| Form {
-                        place,
-                        variable,
-                        shapes,
-                    }));
-                }
-            };
-            let alone = |shapes: Vec<Shape>| shapes.into_iter().map(|shape| vec![shape]).collect();
-            let quantiles = |variable| quantiles_of(self.values.of(variable), &PARTS);
-            let bends = |variable: Variable| {
-                let from = quantiles(variable).into_iter();
-                from.flat_map(|from| [Shape::Above(from), Shape::Below(from)])
-                    .collect::<Vec<_>>()
-            };
-            // A curve that no formula of the table is.
-            let curve = |variable: Variable| {
-                let sorted = quantiles_of(self.values.of(variable), &[0.0, 1.0]);
-                let digits = 10_f64.powf(2.0 - (sorted[1] - sorted[0]).log10().floor());
-                let short = |x: f64| (x * digits).round() / digits;
-                let apart = short((sorted[1] - sorted[0]) / (KNOTS - 1) as f64);
-                let first = short(sorted[0]);
-                let knots = (0..KNOTS).map(|k| short(first + k as f64 * apart));
-                vec![knots.map(|at| Shape::Hat(at, apart)).collect::<Vec<_>>()]
-            };
-            let in_time = || {
-                let span = self.values.time.iter().copied().fold(0.0, f64::max);
-                let mut shapes: Vec<Shape> = quantiles(Variable::Time)
-                    .into_iter()
-                    .map(Shape::Since)
-                    .collect();
-                shapes.extend(SIZES.map(|part| Shape::Decay(part * span)));
-                shapes
-            };
-            match (own.site, &own.target) {
-                (Site::Joint, Target::Joint(joint)) => {
-                    let q = Variable::Position(*joint);
-                    if !robot.tree.dofs[*joint].prismatic {
-                        let waves = PER_TURN.map(|n| vec![Shape::Sine(n), Shape::Cosine(n)]);
-                        of(q, waves.to_vec());
-                    }
-                    of(q, alone(vec![Shape::Square, Shape::Cube]));
-                    of(q, alone(bends(q)));
-                    of(q, curve(q));
-                    let tau = Variable::Moment(*joint);
-                    of(tau, curve(tau));
-                    of(tau, alone(vec![Shape::Growing, Shape::Flattening]));
-                    of(Variable::Approach(*joint), alone(vec![Shape::Linear]));
-                    for other in nearby(problem, *joint) {
-                        of(Variable::Position(other), alone(vec![Shape::Linear]));
-                        of(Variable::Moment(other), alone(vec![Shape::Linear]));
-                    }
-                    if timed {
-                        of(
-                            Variable::Time,
-                            alone([vec![Shape::Linear], in_time()].concat()),
-                        );
-                    }
-                }
-                (Site::Sensor, Target::Way(way)) => {
-                    let [x, y] = [Variable::Reading(0), Variable::Reading(1)];
-                    let (along, across) = if *way == "x" { (x, y) } else { (y, x) };
-                    of(along, alone(vec![Shape::Square, Shape::Cube]));
-                    of(along, alone(bends(along)));
-                    of(along, curve(along));
-                    of(across, alone(vec![Shape::Linear, Shape::Square]));
-                    of(x, alone(vec![Shape::TimesY]));
-                    if timed {
-                        of(Variable::Time, alone(in_time()));
-                    }
-                }
-                (Site::Ground, _) => {
-                    for axis in 0..2 {
-                        of(Variable::Reading(axis), alone(vec![Shape::Linear]));
-                    }
-                    if timed {
-                        of(
-                            Variable::Time,
-                            alone([vec![Shape::Linear], in_time()].concat()),
-                        );
-                    }
-                }
-                (Site::Load, _) if timed => of(Variable::Time, alone(in_time())),
-                _ => {}
+        let ends = |variable| range(values[&variable].iter().copied());
+        let mut add = |variable, (name, sentence): (&'static str, &str), all: Vec<Vec<At>>| {
+            let (least, most) = ends(variable);
+            if most > least && (timed || variable != Variable::Time) {
+                forms.extend(all.into_iter().map(|shapes| Form {
+                    place,
+                    variable,
+                    shapes,
+                    name,
+                    sentence: sentence.to_string(),
+                }));
             }
+        };
+        let starts = |variable, shapes: &[&'static Shape]| {
+            let mut sorted = values[&variable].clone();
+            sorted.sort_by(f64::total_cmp);
+            let last = sorted.len().saturating_sub(1) as f64;
+            let at = |part: f64| sorted.get((part * last) as usize).copied().unwrap_or(0.0);
+            PARTS.map(|part| alone(shapes, at(part))).concat()
+        };
+        // What no formula of the table is.
+        let curve = |variable| {
+            let (least, most) = ends(variable);
+            let digits = 10_f64.powf(2.0 - (most - least).log10().floor());
+            let short = |x: f64| (x * digits).round() / digits;
+            let apart = short((most - least) / (KNOTS - 1) as f64);
+            let knot = |k: usize| short(short(least) + k as f64 * apart);
+            let hats = (0..KNOTS).map(|k| (&HAT, [knot(k), apart]));
+            vec![hats.collect::<Vec<At>>()]
+        };
+        let span = ends(Variable::Time).1.max(0.0);
+        let decays = || SIZES.map(|part| alone(&[&DECAY], part * span)).concat();
+        let (time, linear) = (Variable::Time, || alone(&[&LINEAR], 0.0));
+        let [x, y] = [0, 1].map(Variable::Reading);
+        let dofs = &problem.context().robot.tree.dofs;
+        let Place { site, target, .. } = &self.places[place];
+        match (site, target) {
+            (Site::Joint, Target::Joint(joint)) => {
+                let (q, tau) = (Variable::Position(*joint), Variable::Moment(*joint));
+                for n in PER_TURN.into_iter().filter(|_| !dofs[*joint].prismatic) {
+                    let errs = format!("an encoder of {{target}} that errs {n} times a turn");
+                    let (words, shapes) = match n {
+                        1.0 => (ECCENTRICITY, &WAVES),
+                        _ => (("encoder_ripple", &*errs), &RIPPLES),
+                    };
+                    add(
+                        q,
+                        words,
+                        vec![shapes.iter().map(|own| (own, [n, 0.0])).collect()],
+                    );
+                }
+                add(q, CURVATURE, alone(&[&SQUARE, &CUBE], 0.0));
+                add(q, STOP, starts(q, &[&ABOVE, &BELOW]));
+                add(q, OF_POSITION, curve(q));
+                add(tau, OF_MOMENT, curve(tau));
+                // It grows more than the moment, or less.
+                add(tau, SOFTENING, alone(&[&GROWING], 0.0));
+                add(tau, HARDENING, alone(&[&FLATTENING], 0.0));
+                add(Variable::Approach(*joint), HYSTERESIS, alone(&[&SIDE], 0.0));
+                for other in nearby(problem, *joint) {
+                    let name = &dofs[other].joint;
+                    let follows = format!("an error of {{target}} that follows {name}");
+                    let gives_way = format!("{{target}} giving way to the moment at {name}");
+                    let (q, tau) = (Variable::Position(other), Variable::Moment(other));
+                    add(q, ("joint_coupling", &follows), linear());
+                    add(tau, ("cross_compliance", &gives_way), linear());
+                }
+                add(time, DRIFT, linear());
+                add(time, SLIP, starts(time, &[&SINCE]));
+                add(time, DRIFT, decays());
+            }
+            (Site::Sensor, Target::Way(way)) => {
+                let (along, across) = if *way == "x" { (x, y) } else { (y, x) };
+                add(along, NONLINEARITY, alone(&[&SQUARE, &CUBE], 0.0));
+                add(along, KINK, starts(along, &[&ABOVE, &BELOW]));
+                add(along, OF_READING, curve(along));
+                add(across, CROSSTALK, linear());
+                add(across, NONLINEARITY, alone(&[&SQUARE], 0.0));
+                add(x, CROSSTALK, alone(&[&TIMES_Y], 0.0));
+                add(time, STEP, starts(time, &[&SINCE]));
+                add(time, WARMUP, decays());
+            }
+            (Site::Ground, _) => {
+                add(x, SOFT_GROUND, linear());
+                add(y, SOFT_GROUND, linear());
+                add(time, GROUND, linear());
+                add(time, GROUND, starts(time, &[&SINCE]));
+                add(time, GROUND, decays());
+            }
+            (Site::Load, _) => {
+                add(time, LOAD, starts(time, &[&SINCE]));
+                add(time, LOAD, decays());
+            }
+            _ => {}
         }
-        forms
     }
 
     /// The effect of a form, which begins at the sizes of the linear fit.
     fn instance(&self, problem: &Problem, own: &Gain) -> Option<Instance> {
         let (form, context) = (&own.form, problem.context());
-        let place = &self.places[form.place];
+        let Place { site, target, .. } = &self.places[form.place];
         let dofs = &context.robot.tree.dofs;
-        let named = |word: &str, joint: usize| match &place.target {
-            Target::Joint(own) if *own == joint => word.to_string(),
-            _ => format!("{word}[\"{}\"]", dofs[joint].joint),
+        let named = |word: &str, joint: usize| match *target == Target::Joint(joint) {
+            true => word.to_string(),
+            false => format!("{word}[\"{}\"]", dofs[joint].joint),
         };
         let v = match form.variable {
             Variable::Position(joint) => named("q", joint),
@@ -535,72 +508,66 @@ impl Functions {
             Variable::Time => "t".to_string(),
         };
         // Names end in their unit where sizes have that of the site.
-        let slides = |joint: usize| dofs[joint].prismatic;
-        let unit = match (place.site, &place.target) {
-            (Site::Joint, Target::Joint(joint)) if slides(*joint) => "_m",
+        let of_joint = |joint: usize| if dofs[joint].prismatic { "_m" } else { "_rad" };
+        let unit = match (site, target) {
+            (Site::Joint, Target::Joint(joint)) => of_joint(*joint),
             (Site::Joint | Site::Ground, _) => "_rad",
             (Site::Load, _) => "_kg",
             _ => "_m",
         };
-        let of_size = |(shape, name): (&Shape, &str)| match shape.is_plain(form.variable) {
-            true => format!("{name}{unit}"),
-            false => name.to_string(),
+        let of_variable = match form.variable {
+            Variable::Position(joint) => of_joint(joint),
+            Variable::Reading(_) => "_m",
+            _ => "",
         };
-        let names: Vec<String> = form.shapes.iter().zip(COEFFICIENTS).map(of_size).collect();
-        let own_constant = form.shapes[0].constant().map(|(name, value)| {
-            let ending = match form.variable {
-                Variable::Position(joint) if !slides(joint) => "_rad",
-                Variable::Position(_) | Variable::Reading(_) => "_m",
-                _ => "",
-            };
-            (format!("{name}{ending}"), value)
-        });
-        let within = own_constant.as_ref().map_or("", |(name, _)| name);
-        let terms = form.shapes.iter().zip(&names);
-        let text: Vec<String> = terms
-            .map(|(shape, size)| format!("{size} * {}", shape.text(&v, within)))
-            .collect();
+        let fitted = form.constant();
+        let fitted = fitted.map(|(name, value)| (format!("{name}{of_variable}"), value));
         let constant = |name: &str, typical: f64| Constant {
             name: name.to_string(),
             typical: if typical == 0.0 { LEAST_PART } else { typical },
             unit: Unit::of(name).symbol().to_string(),
             limits: [f64::NEG_INFINITY, f64::INFINITY],
         };
-        let sizes = own.sizes.iter().zip(&names);
-        let mut constants: Vec<Constant> = sizes
-            .map(|(size, name)| constant(name, rounded(*size)))
-            .collect();
-        constants.extend(
-            own_constant
+        let (mut text, mut constants) = (Vec::new(), Vec::new());
+        let shapes = form.shapes.iter().zip(COEFFICIENTS).zip(&own.sizes);
+        for (((shape, [c, d]), letter), size) in shapes {
+            let name = format!("{letter}{}", if shape.is_plain { unit } else { "" });
+            let c = match &fitted {
+                Some((name, _)) => name.clone(),
+                None => format!("{c:?}"),
+            };
+            let constants_in = [("{c}", c), ("{d}", format!("{d:?}")), ("{v}", v.clone())];
+            let function = constants_in
                 .iter()
-                .map(|(name, value)| constant(name, *value)),
-        );
-        let (name, sentence) = form.name(place, &|joint| dofs[joint].joint.clone());
+                .fold(shape.text.to_string(), |text, (key, own)| {
+                    text.replace(key, own)
+                });
+            text.push(format!("{name} * {function}"));
+            constants.push(constant(&name, rounded(*size)));
+        }
+        constants.extend(fitted.iter().map(|(name, value)| constant(name, *value)));
         let definition = Definition {
-            name: name.to_string(),
-            site: place.site,
+            name: form.name.to_string(),
+            site: *site,
             function: Formula::parse(&text.join(" + ")).ok()?,
             constants,
-            targets: vec![context.name_of(&place.target)],
+            targets: vec![context.name_of(target)],
             at: None,
             range: Default::default(),
             columns: Default::default(),
-            sentence: Some(sentence),
+            sentence: Some(form.sentence.clone()),
         };
         Some(Instance {
             effect: Composed::new(definition).ok()?,
-            target: place.target.clone(),
+            target: target.clone(),
         })
     }
 }
 
-/// Values below which so large parts of some lie.
-fn quantiles_of(values: &[f64], parts: &[f64]) -> Vec<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let last = sorted.len().saturating_sub(1) as f64;
-    let at = |part: &f64| sorted.get((part * last) as usize).copied().unwrap_or(0.0);
-    parts.iter().map(at).collect()
+/// Forms of one shape each, with a constant.
+fn alone(shapes: &[&'static Shape], constant: f64) -> Vec<Vec<At>> {
+    let shapes = shapes.iter().map(|shape| vec![(*shape, [constant, 0.0])]);
+    shapes.collect()
 }
 
 /// A number to one digit: what a fit begins with need not be known better.
@@ -612,154 +579,43 @@ fn rounded(size: f64) -> f64 {
     (size / unit).round() * unit
 }
 
-impl Form {
-    fn unknowns(&self) -> usize {
-        let own = self
-            .shapes
-            .iter()
-            .filter(|shape| shape.constant().is_some());
-        self.shapes.len() + own.count()
-    }
-
-    /// What people call it, and the subject of a sentence about it.
-    fn name(&self, place: &Place, joint: &dyn Fn(usize) -> String) -> (&'static str, String) {
-        let own = match place.target {
-            Target::Joint(joint) => Some(joint),
-            _ => None,
+/// Add the variables in some postures of a block; what that robot does not have is zero.
+fn read(
+    problem: &Problem,
+    block: &Block,
+    chosen: &[usize],
+    values: &mut HashMap<Variable, Vec<f64>>,
+) {
+    let (here, there) = (problem.context().robot, block.context.robot);
+    let (dof, data) = (there.dof(), &block.data);
+    let layout = PostureContext::of(there);
+    let context = |k: usize, at: usize| data.posture_context[k * layout.len() + at];
+    let weight = block.context.weight();
+    let moments = block.moments_at(&data.q);
+    // As the robot without effects reads: noise of a reading is none of its variables.
+    let predicted = block.evaluate(&[], &[], &data.q, &data.posture_context);
+    let mut add = |variable, value: &dyn Fn(usize) -> f64| {
+        let known: &mut Vec<f64> = values.entry(variable).or_default();
+        known.extend(chosen.iter().map(|k| value(*k)));
+    };
+    for (joint, own) in here.tree.dofs.iter().enumerate() {
+        let mut dofs = there.tree.dofs.iter();
+        let place = dofs.position(|dof| dof.joint == own.joint);
+        let mut of = |variable, value: &dyn Fn(usize, usize) -> f64| {
+            add(variable, &|k| place.map_or(0.0, |at| value(k, at)));
         };
-        match (place.site, self.variable, self.shapes[0]) {
-            (Site::Joint, Variable::Position(j), _) if Some(j) != own => (
-                "joint_coupling",
-                format!("an error of {{target}} that follows {}", joint(j)),
-            ),
-            (Site::Joint, Variable::Moment(j), _) if Some(j) != own => (
-                "cross_compliance",
-                format!("{{target}} giving way to the moment at {}", joint(j)),
-            ),
-            (Site::Joint, Variable::Moment(_), Shape::Hat(..)) => (
-                "joint_error",
-                "an error of {target} that is a curve of its moment".to_string(),
-            ),
-            (Site::Joint, _, Shape::Hat(..)) => (
-                "joint_error",
-                "an error of {target} that is a curve of its position".to_string(),
-            ),
-            (Site::Sensor, _, Shape::Hat(..)) => (
-                "sensor_error",
-                "an error of the readings along {target} that is a curve of them".to_string(),
-            ),
-            (Site::Joint, _, Shape::Sine(1.0)) => (
-                "encoder_eccentricity",
-                "an encoder of {target} that is off centre".to_string(),
-            ),
-            (Site::Joint, _, Shape::Sine(n)) => (
-                "encoder_ripple",
-                format!("an encoder of {{target}} that errs {n} times a turn"),
-            ),
-            (Site::Joint, Variable::Position(_), Shape::Above(_) | Shape::Below(_)) => (
-                "joint_stop",
-                "a stop or a pull at {target} from an angle on".to_string(),
-            ),
-            (Site::Joint, Variable::Position(_), _) => (
-                "joint_curvature",
-                "an error of {target} that is curved in its angle".to_string(),
-            ),
-            // It grows less than the moment, or more.
-            (Site::Joint, Variable::Moment(_), Shape::Flattening) => (
-                "spring_hardening",
-                "a spring at {target} that hardens".to_string(),
-            ),
-            (Site::Joint, Variable::Moment(_), _) => (
-                "spring_softening",
-                "a spring at {target} that softens".to_string(),
-            ),
-            (Site::Joint, Variable::Approach(_), _) => {
-                ("joint_hysteresis", "hysteresis of {target}".to_string())
-            }
-            (Site::Joint, Variable::Time, Shape::Since(_)) => (
-                "joint_slip",
-                "a slip of {target} during the log".to_string(),
-            ),
-            (Site::Joint, _, _) => ("joint_drift", "a drift of {target}".to_string()),
-            (Site::Sensor, Variable::Time, Shape::Decay(_)) => (
-                "sensor_warmup",
-                "a sensor that warms up along {target}".to_string(),
-            ),
-            (Site::Sensor, Variable::Time, _) => (
-                "sensor_error",
-                "a step of the readings along {target}".to_string(),
-            ),
-            (Site::Sensor, _, Shape::Above(_) | Shape::Below(_)) => (
-                "sensor_kink",
-                "a kink of the readings along {target}".to_string(),
-            ),
-            (Site::Sensor, Variable::Reading(axis), Shape::Linear | Shape::TimesY)
-                if place.target != Target::Way(["x", "y"][axis])
-                    || self.shapes[0] == Shape::TimesY =>
-            {
-                (
-                    "sensor_crosstalk",
-                    "crosstalk into the readings along {target}".to_string(),
-                )
-            }
-            (Site::Sensor, _, _) => (
-                "sensor_nonlinearity",
-                "readings along {target} that are not linear".to_string(),
-            ),
-            (Site::Ground, Variable::Reading(_), _) => (
-                "soft_ground",
-                "ground that gives way, with a slope along {target}".to_string(),
-            ),
-            (Site::Ground, _, _) => (
-                "ground_error",
-                "a slope of the ground along {target} that changes".to_string(),
-            ),
-            _ => ("load_error", "a load of {target} that changes".to_string()),
-        }
+        of(Variable::Position(joint), &|k, at| data.q[k * dof + at]);
+        of(Variable::Moment(joint), &|k, at| {
+            weight * moments[k * 3 * dof + at]
+        });
+        of(Variable::Approach(joint), &|k, at| {
+            context(k, layout.approach(at))
+        });
     }
-}
-
-impl Values {
-    fn none(dof: usize) -> Values {
-        Values {
-            positions: vec![Vec::new(); dof],
-            moments: vec![Vec::new(); dof],
-            approach: vec![Vec::new(); dof],
-            reading: [Vec::new(), Vec::new()],
-            time: Vec::new(),
-        }
+    for axis in 0..2 {
+        add(Variable::Reading(axis), &|k| predicted[2 * k + axis]);
     }
-
-    /// The variables in some postures of a block; what that robot does not have is zero.
-    fn extend(&mut self, problem: &Problem, block: &super::problem::Block, chosen: &[usize]) {
-        let (here, there) = (problem.context().robot, block.context.robot);
-        let (dof, data) = (there.dof(), &block.data);
-        let layout = PostureContext::of(there);
-        let context = |k: usize, at: usize| data.posture_context[k * layout.len() + at];
-        let weight = block.context.weight();
-        let moments = block.moments_at(&data.q);
-        for (joint, own) in here.tree.dofs.iter().enumerate() {
-            let place = there
-                .tree
-                .dofs
-                .iter()
-                .position(|dof| dof.joint == own.joint);
-            let of = |value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
-                let at = |k: &usize| place.map_or(0.0, |place| value(*k, place));
-                chosen.iter().map(at).collect()
-            };
-            self.positions[joint].extend(of(&|k, at| data.q[k * dof + at]));
-            self.moments[joint].extend(of(&|k, at| weight * moments[k * 3 * dof + at]));
-            self.approach[joint].extend(of(&|k, at| context(k, layout.approach(at))));
-        }
-        // As the robot without effects reads: noise of a reading is none of its variables.
-        let predicted = block.evaluate(&[], &[], &data.q, &data.posture_context);
-        for axis in 0..2 {
-            self.reading[axis].extend(chosen.iter().map(|k| predicted[2 * k + axis]));
-        }
-        self.time
-            .extend(chosen.iter().map(|k| context(*k, layout.time())));
-    }
+    add(Variable::Time, &|k| context(k, layout.time()));
 }
 
 /// Sites with the slopes of what is added there, as the named effects that add a constant have them.

@@ -37,15 +37,16 @@ pub(super) fn parts(problem: &Problem) -> Vec<usize> {
 pub(super) fn cross_validate(problem: &Problem, whole: &Fit, apart: &[bool]) -> HeldOut {
     let n = problem.data().len();
     if whole.terms.is_empty() && problem.masses(&[]).is_negligible() {
-        return of_errors(errors_of(problem, whole, None), apart);
+        return of_errors(errors_of(problem, whole), apart);
     }
     let parts = parts(problem);
     let mut errors = vec![f64::NAN; 2 * n];
     for fold in 0..=parts.iter().copied().max().unwrap_or(0) {
         let keep: Vec<bool> = parts.iter().map(|part| *part != fold).collect();
-        let fit = problem.fit(&whole.terms, Some(whole), Some(&keep));
-        let own = errors_of(problem, &fit, Some(&keep));
-        for row in (0..2 * n).filter(|row| !keep[row / 2]) {
+        let mut others = problem.clone();
+        others.kept = Some(keep);
+        let own = errors_of(&others, &others.fit(&whole.terms, Some(whole)));
+        for row in (0..2 * n).filter(|row| parts[row / 2] == fold) {
             errors[row] = own[row];
         }
     }
@@ -61,10 +62,10 @@ pub(super) fn of_cad(problem: &Problem) -> HeldOut {
 }
 
 /// reading − prediction, masses as the kept postures suggest, or as `fit` is stated with.
-pub(super) fn errors_of(problem: &Problem, fit: &Fit, keep: Option<&[bool]>) -> Vec<f64> {
+pub(super) fn errors_of(problem: &Problem, fit: &Fit) -> Vec<f64> {
     let shift = match &fit.masses {
         Some(_) => problem.mass_shift(fit),
-        None => problem.mass_shift_of(fit, keep),
+        None => problem.mass_shift_of(fit),
     };
     let left = fit.blocks[0].residual.iter().zip(shift.iter());
     let left = left.zip(&problem.first().weight);

@@ -259,6 +259,27 @@ pub(super) fn effect_terms(context: &EffectContext) -> Vec<Term> {
     instances.map(Term::Effect).collect()
 }
 
+/// So many of each kind, and so many of all, that come first.
+pub(super) fn keep_some<T, K: Ord>(
+    all: &mut Vec<T>,
+    kind: impl Fn(&T) -> K,
+    of_each: usize,
+    most: usize,
+) {
+    let mut seen: BTreeMap<K, usize> = BTreeMap::new();
+    all.retain(|one| {
+        let count = seen.entry(kind(one)).or_default();
+        *count += 1;
+        *count <= of_each
+    });
+    all.truncate(most);
+}
+
+/// Whether a term may stand beside others.
+pub(super) fn compatible(terms: &[Term], more: &Term) -> bool {
+    terms.iter().all(|term| term.is_compatible(more))
+}
+
 /// Terms in the order of their ranks.
 pub(super) fn sorted(context: &EffectContext, terms: &[Term]) -> Vec<Term> {
     let mut all = terms.to_vec();
@@ -321,12 +342,10 @@ pub(super) fn carried(
             columns.extend(own.zip(factors));
         }
     }
+    let unknowns = columns.iter().map(|(k, sign)| sign * unknowns[*k]);
     CarriedExplanation {
         terms: carried,
-        unknowns: columns
-            .iter()
-            .map(|(k, sign)| sign * unknowns[*k])
-            .collect(),
+        unknowns: unknowns.collect(),
         columns,
     }
 }

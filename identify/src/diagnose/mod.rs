@@ -5,7 +5,6 @@
 //!                                                        └→ experiments, next postures
 //! ```
 
-mod com_spread;
 mod criteria;
 mod diagnosis;
 mod dictionary;
@@ -30,7 +29,6 @@ mod tests;
 mod verdict;
 #[doc(hidden)]
 pub mod view;
-mod wiring;
 #[doc(hidden)]
 pub mod words;
 

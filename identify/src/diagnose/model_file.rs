@@ -24,16 +24,17 @@ use sesc_model::formula::Variable;
 use sesc_model::{EffectRecord, Function, ModelFile, Quantity};
 
 use super::criteria::{
-    AGREES, FILE_AGREES, FLIPPED, GAIN, LARGEST_OUTLIER_SHARE, MOST, OTHER_SIDE, SHORTEST,
+    AGREES, COM_APART_M, FILE_AGREES, FLIPPED, GAIN, LARGEST_OUTLIER_SHARE, MOST, OTHER_SIDE,
+    SHORTEST,
 };
-use super::findings::ModelOnLog;
+use super::findings::{Explained, ModelOnLog};
 use super::hypothesis::{Term, effects_of};
-use super::problem::{ALL, Fit, InFile, Problem, backlash_sides};
+use super::problem::{Fit, InFile, Problem, backlash_sides};
 use super::{held_out, words};
 use crate::Error;
 use crate::evaluate::Evaluator;
 use crate::lsq::solve::information;
-use crate::observations::postures::rms;
+use crate::observations::postures::{range as span, rms};
 
 /// Rounds, at most.
 const ROUNDS: usize = 12;
@@ -45,15 +46,13 @@ pub(super) fn model_file(problem: &Problem, best: &Fit) -> ModelFile {
     let identified = best.frees_masses();
     let prior = problem.prior(&best.terms);
     let values = problem.params_of(best);
-    let weighting = problem.weighting(&best.terms, best.outliers.as_ref(), ALL);
+    let weighting = problem.weighting(&best.terms, best.outliers.as_ref());
     let spread = &prior.factor * weighting.masses.covariance() * prior.factor.transpose();
-    let std: Vec<f64> = (0..values.len())
-        .map(|k| spread[(k, k)].max(0.0).sqrt())
-        .collect();
+    let std = spread.diagonal().map(|square| square.max(0.0).sqrt());
     let mut rows = problem.whitened_rows();
     weighting.weigh(&mut rows);
     let source = if identified { "data" } else { "prior" };
-    let mut file = ModelFile::from_values(model, &values, Some(&std), source);
+    let mut file = ModelFile::from_values(model, &values, Some(std.as_slice()), source);
     file.inform(information(&rows, &prior.factor, prior.beyond));
     file.noise_floor = Some(problem.data().noise_floor);
     file.motion = problem.data().motion_use.counted();
@@ -100,37 +99,30 @@ fn put_effects(problem: &Problem, best: &Fit, file: &mut ModelFile) {
 fn ranges(problem: &Problem, instance: &Instance) -> BTreeMap<String, [f64; 2]> {
     let (data, dofs) = (problem.data(), &problem.context().robot.tree.dofs);
     let column = |values: &[f64], width: usize, k: usize| {
-        let values = || values.iter().skip(k).step_by(width);
-        let least = values().copied().fold(f64::INFINITY, f64::min);
-        let most = values().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (least, most) = span(values.iter().skip(k).step_by(width).copied());
         (least <= most).then_some([least, most])
     };
-    // N m.
-    let moments = || {
-        let weight = problem.context().weight();
+    let joint = |named: &Option<String>| match (named, &instance.target) {
+        (Some(name), _) => dofs.iter().position(|dof| dof.joint == *name),
+        (None, Target::Joint(joint)) => Some(*joint),
+        (None, _) => None,
+    };
+    let moments_over_weight = || {
         let evaluator = Evaluator::new(problem.first().model, Function::GravityMoments);
-        let over_weight = evaluator.run(&data.q, data.len()).into_iter();
-        over_weight
-            .map(|moment| weight * moment)
-            .collect::<Vec<f64>>()
+        evaluator.run(&data.q, data.len())
     };
     let composed = instance.effect.composed().into_iter();
     let variables = composed.flat_map(|own| own.definition().function.variables());
-    let range = |variable: &Variable| match (variable, &instance.target) {
-        (Variable::Position(None), Target::Joint(joint)) => column(&data.q, dofs.len(), *joint),
-        (Variable::Position(Some(name)), _) => {
-            let joint = dofs.iter().position(|dof| dof.joint == *name)?;
-            column(&data.q, dofs.len(), joint)
+    let range = |variable: &Variable| match variable {
+        Variable::Position(named) => column(&data.q, dofs.len(), joint(named)?),
+        Variable::Moment(named) => {
+            let range = column(&moments_over_weight(), dofs.len(), joint(named)?);
+            range.map(|ends| ends.map(|end| problem.context().weight() * end))
         }
-        (Variable::Reading(axis), _) => column(&data.reading, 2, *axis),
-        (Variable::Time, _) => {
+        Variable::Reading(axis) => column(&data.reading, 2, *axis),
+        Variable::Time => {
             let layout = PostureContext::of(problem.context().robot);
             column(&data.posture_context, layout.len(), layout.time())
-        }
-        (Variable::Moment(None), Target::Joint(joint)) => column(&moments(), dofs.len(), *joint),
-        (Variable::Moment(Some(name)), _) => {
-            let joint = dofs.iter().position(|dof| dof.joint == *name)?;
-            column(&moments(), dofs.len(), joint)
         }
         _ => None,
     };
@@ -153,7 +145,7 @@ pub(super) fn on_log(problem: &Problem, best: &Fit, file: &ModelFile) -> Result<
         problem.first().model.clone().with_file(file.clone())?;
     }
     let (first, mut apart) = (problem.first(), held_out::apart(problem, best));
-    let stated = held_out::errors_of(problem, best, None);
+    let stated = held_out::errors_of(problem, best);
     let predicted = in_file(problem, best, &problem.params_of(best));
     let pairs = first.data.reading.iter().zip(&predicted[0].readings);
     let predicted: Vec<f64> = pairs.map(|(y, p)| y - p).collect();
@@ -164,14 +156,9 @@ pub(super) fn on_log(problem: &Problem, best: &Fit, file: &ModelFile) -> Result<
         let off = |row: usize| (predicted[row] - stated[row]).abs() * first.weight[row];
         apart[k] |= off(2 * k).max(off(2 * k + 1)) > OTHER_SIDE;
     }
-    let left_out: Vec<i64> = first
-        .data
-        .pose
-        .iter()
-        .zip(&apart)
-        .filter(|(_, apart)| **apart)
-        .map(|(pose, _)| *pose)
-        .collect();
+    let poses = first.data.pose.iter().zip(&apart);
+    let poses = poses.filter_map(|(pose, apart)| apart.then_some(*pose));
+    let left_out: Vec<i64> = poses.collect();
     let error = |errors: &[f64]| {
         let rows = (0..errors.len()).filter(|row| !apart[row / 2]);
         rms(rows.map(|row| errors[row]))
@@ -201,14 +188,9 @@ pub(super) fn settle<'p, 'm>(problem: &'p Problem<'m>, fit: &Fit) -> (Cow<'p, Pr
     }
     let with = |fit: &Fit, masses: Vec<f64>| {
         let misfit = misfit(problem, fit, &masses);
-        let masses = Some(masses);
-        (
-            misfit,
-            Fit {
-                masses,
-                ..fit.clone()
-            },
-        )
+        let mut fit = fit.clone();
+        fit.masses = Some(masses);
+        (misfit, fit)
     };
     let (mut least, mut best) = with(fit, problem.params_of(fit));
     if loose && !problem.is_wider() {
@@ -221,7 +203,7 @@ pub(super) fn settle<'p, 'm>(problem: &'p Problem<'m>, fit: &Fit) -> (Cow<'p, Pr
     let (mut about, mut part) = (problem.params_of(&best), 1.0);
     for _ in 0..ROUNDS {
         let own = linearised(problem, &best, &about);
-        let next = own.fit(&fit.terms, Some(&best), ALL);
+        let next = own.fit(&fit.terms, Some(&best));
         let settled = !loose && agrees(problem, &own, &next);
         let masses = own.params_of(&next);
         let (misfit, next) = with(&next, masses.clone());
@@ -249,18 +231,19 @@ pub(super) fn settle<'p, 'm>(problem: &'p Problem<'m>, fit: &Fit) -> (Cow<'p, Pr
 /// What a file with an explanation predicts of each block, where base parameters of the first are
 /// `masses`, m.
 fn in_file(problem: &Problem, fit: &Fit, masses: &[f64]) -> Vec<InFile> {
-    let blocks = problem.blocks.iter();
     let own = |block| problem.carried(block, &fit.terms, &fit.unknowns);
-    blocks
-        .map(|block| block.in_file(&own(block), masses))
-        .collect()
+    let predicted = problem
+        .blocks
+        .iter()
+        .map(|block| block.in_file(&own(block), masses));
+    predicted.collect()
 }
 
 /// Whether the masses at which a fit ends predict what its linear problem, `about` some masses,
 /// states.
 fn agrees(problem: &Problem, about: &Problem, fit: &Fit) -> bool {
     let predicted = in_file(problem, fit, &about.params_of(fit));
-    let shift = about.mass_shift_of(fit, ALL);
+    let shift = about.mass_shift_of(fit);
     let (mut apart, mut all) = (Vec::new(), Vec::new());
     let blocks = problem.blocks.iter().zip(&fit.blocks);
     for (((block, on), own), range) in blocks.zip(&predicted).zip(problem.readings()) {
@@ -314,7 +297,7 @@ fn stated(problem: &Problem, predicted: &[InFile], fit: Fit) -> Fit {
         Cow::Owned(context)
     });
     let contexts: Vec<Cow<[f64]>> = contexts.collect();
-    let weighting = problem.weighting(&fit.terms, fit.outliers.as_ref(), ALL);
+    let weighting = problem.weighting(&fit.terms, fit.outliers.as_ref());
     let mut state = problem.state(&fit.terms, fit.unknowns.clone(), &contexts, &weighting);
     // Springs that give way while loose joints slide end a little elsewhere than springs
     // beside joints at rest: the file's own readings count.
@@ -335,4 +318,49 @@ fn stated(problem: &Problem, predicted: &[InFile], fit: Fit) -> Fit {
         blocks: state.there,
         ..fit
     }
+}
+
+/// State for every member of the class how far its CoM is from the first one's, m RMS over
+/// the postures of the log; unknown where an effect is no part of model files.
+pub(super) fn state_com_apart(problem: &Problem, found: &mut Explained) {
+    let first = coms(problem, &found.best);
+    let others = found.class.iter().filter(|fit| !fit.terms.is_empty());
+    let apart = others.map(|fit| {
+        let other = coms(problem, fit);
+        first.as_ref().zip(other).map(|(a, b)| distance(a, &b))
+    });
+    let apart: Vec<Option<f64>> = apart.collect();
+    for (member, apart) in found.diagnosis.class.iter_mut().zip(apart) {
+        member.com_apart = apart;
+    }
+}
+
+/// The sentence where CoMs differ by more than a controller may overlook: with a sensor that is off
+/// the CoM is where CAD has it, with a payload that leaves the same readings it is not.
+pub(super) fn com_sentence(found: &Explained) -> Option<String> {
+    let members = found.diagnosis.class.iter().skip(1);
+    let far = members.filter_map(|member| Some((member.com_apart?, member)));
+    let (apart, member) = far.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (apart > COM_APART_M).then(|| {
+        format!(
+            "These explanations do not agree on the CoM: with {} it lies {:.1} mm RMS away; \
+             take the next postures before a controller relies on it.",
+            member.subjects,
+            1e3 * apart
+        )
+    })
+}
+
+/// CoM (x, y, z) of every posture under an explanation, m.
+fn coms(problem: &Problem, fit: &Fit) -> Option<Vec<f64>> {
+    let model = problem.first().model.clone();
+    let model = model.with_file(model_file(problem, fit)).ok()?;
+    let n = problem.data().len();
+    Some(Evaluator::new(&model, Function::Com).run(&problem.data().q, n))
+}
+
+/// RMS distance of points, x, y, z after each other.
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+    (3.0 * squares / a.len().max(1) as f64).sqrt()
 }

@@ -105,27 +105,14 @@ fn share_of_readings(
     prior: &Prior,
     moved: &Moved,
 ) -> Option<Share> {
-    let cad = DVector::from_vec(model.cad_params());
-    let n = 2 * data.len();
-    let predicted = moved.rows.times(&cad);
-    let corrections = moved.correction.iter().flatten();
-    let gaps = data.reading.iter().zip(corrections).enumerate();
-    let gaps = gaps.map(|(row, (y, by))| y - by - predicted[row]);
-    let residual = DVector::from_iterator(n, gaps);
-    let per_sample = |axis: usize| {
-        let t = data.t.as_deref()?;
-        let of_axis = |row: usize| 2 * row + axis;
-        let y = DVector::from_fn(data.len(), |k, _| residual[of_axis(k)]);
-        let x = DMatrix::from_fn(data.len(), 2 + cad.len(), |k, c| match c {
-            0 => 1.0,
-            1 => moved.shift[k][axis],
-            c => moved.rows[(of_axis(k), c - 2)],
-        });
-        Some(Correlation::of(t, &y, &x).rows_per_sample)
-    };
-    let per_sample = (0..2).filter_map(per_sample).fold(1.0, f64::max);
+    let (n, p) = (2 * data.len(), model.base.params.len());
+    let residual = gaps(data, model, moved);
+    let per_sample = rows_per_sample(data, &residual, 1 + p, |k, axis, c| match c {
+        0 => moved.shift[k][axis],
+        c => moved.rows[(2 * k + axis, c - 1)],
+    });
     let masses = mass_errors(prior, model)?;
-    let (p, m, dof) = (cad.len(), masses.ncols(), model.dof());
+    let (m, dof) = (masses.ncols(), model.dof());
     let by_joints = Evaluator::new(model, Function::ComJacobian).run(&data.q, data.len());
     let by_joint = |row: usize, joint: usize| by_joints[(3 * (row / 2) + row % 2) * dof + joint];
     let rates = data.motion.as_ref().map_or(&[][..], |motion| &motion.rates);
@@ -162,6 +149,34 @@ fn share_of_readings(
     column.share(&unsure, per_sample)
 }
 
+/// What CAD in motion leaves of readings that were corrected for it, m.
+fn gaps(data: &Postures, model: &Model, moved: &Moved) -> DVector<f64> {
+    let predicted = moved.rows.times(&DVector::from_vec(model.cad_params()));
+    let taken = moved.correction.iter().flatten().zip(&predicted);
+    let gaps = data.reading.iter().zip(taken);
+    let gaps = gaps.map(|(y, (by, predicted))| y - by - predicted);
+    DVector::from_vec(gaps.collect())
+}
+
+/// Rows per independent one of what is left, of the axis that has fewer, beside a constant and so
+/// many columns, of which `entry` has row, axis and number.
+fn rows_per_sample(
+    data: &Postures,
+    left: &DVector<f64>,
+    columns: usize,
+    entry: impl Fn(usize, usize, usize) -> f64,
+) -> f64 {
+    let of_axis = |axis: usize| {
+        let y = DVector::from_fn(data.len(), |k, _| left[2 * k + axis]);
+        let x = DMatrix::from_fn(data.len(), 1 + columns, |k, c| match c {
+            0 => 1.0,
+            c => entry(k, axis, c - 1),
+        });
+        Some(Correlation::of(data.t.as_deref()?, &y, &x).rows_per_sample)
+    };
+    (0..2).filter_map(of_axis).fold(1.0, f64::max)
+}
+
 /// Factor of the covariance of mass errors: within the usual tolerances where a prior leaves
 /// masses free.
 fn mass_errors(prior: &Prior, model: &Model) -> Option<DMatrix<f64>> {
@@ -182,8 +197,7 @@ fn explains_more_than_motion(data: &Postures, model: &Model, prior: &Prior, move
     let (Some(masses), true) = (masses, stated.contains(&data.noise_source)) else {
         return false;
     };
-    let (n, cad) = (2 * data.len(), DVector::from_vec(model.cad_params()));
-    let predicted = moved.rows.times(&cad);
+    let (n, gaps) = (2 * data.len(), gaps(data, model, moved));
     // As `Moved` corrects readings of motion; those of a robot that stands lack the shift.
     let left = |share: f64| -> (f64, f64) {
         let weight = |row: usize| {
@@ -191,19 +205,13 @@ fn explains_more_than_motion(data: &Postures, model: &Model, prior: &Prior, move
             1.0 / data.std[row].hypot(by_motion)
         };
         let y = DVector::from_fn(n, |row, _| {
-            let by = moved.correction[row / 2][row % 2] + predicted[row];
-            let shift = (1.0 - share) * moved.shift[row / 2][row % 2];
-            (data.reading[row] - by + shift) * weight(row)
+            (gaps[row] + (1.0 - share) * moved.shift[row / 2][row % 2]) * weight(row)
         });
-        let rows = DMatrix::from_fn(n, cad.len(), |row, c| moved.rows[(row, c)] * weight(row));
+        let rows = DMatrix::from_fn(n, masses.nrows(), |row, c| {
+            moved.rows[(row, c)] * weight(row)
+        });
         let square = y.dot(&Nuisance::of(&rows * &masses).project_out_one(&y));
-        let per_sample = |axis: usize| {
-            let of_axis = |row: usize| 2 * row + axis;
-            let own = DVector::from_fn(data.len(), |k, _| y[of_axis(k)]);
-            let ones = DMatrix::from_element(data.len(), 1, 1.0);
-            Some(Correlation::of(data.t.as_deref()?, &own, &ones).rows_per_sample)
-        };
-        (square, (0..2).filter_map(per_sample).fold(1.0, f64::max))
+        (square, rows_per_sample(data, &y, 0, |_, _, _| 0.0))
     };
     let ((standing, per_sample), (moving, _)) = (left(0.0), left(1.0));
     let rows = n as f64;

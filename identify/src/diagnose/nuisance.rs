@@ -71,13 +71,7 @@ impl Nuisance {
         }
         // Squares of very large directions drown the identity; the triangle of [K; I] keeps it.
         let factor = a.cholesky().unwrap_or_else(|| triangle(&k));
-        let log_det = 2.0
-            * factor
-                .l_dirty()
-                .diagonal()
-                .iter()
-                .map(|x| x.ln())
-                .sum::<f64>();
+        let log_det = 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
         Nuisance { k, factor, log_det }
     }
 
@@ -110,13 +104,6 @@ impl Nuisance {
     pub(super) fn project_out_one(&self, x: &DVector<f64>) -> DVector<f64> {
         let inner = self.factor.solve(&self.k.tr_mul(x));
         x - &self.k * inner
-    }
-
-    /// `xᵀ S x` of one whitened column.
-    pub(super) fn chi2(&self, x: &DVector<f64>) -> f64 {
-        let mut taken = self.k.tr_mul(x);
-        self.factor.l_dirty().solve_lower_triangular_mut(&mut taken);
-        x.norm_squared() - taken.norm_squared()
     }
 
     /// Whether mass errors move readings by less than a thousandth of the noise.

@@ -13,12 +13,12 @@ mod block;
 mod fitting;
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DMatrixView, DVector};
-use sesc_model::effects::{self, EffectContext, EffectId};
+use sesc_model::effects::EffectContext;
 
 use super::criteria;
 use super::hypothesis::{self, CarriedExplanation, Term, carried, with_places};
@@ -32,7 +32,7 @@ use crate::observations::correlation::Correlation;
 use crate::observations::postures::Postures;
 
 use crate::svd::svd;
-pub use block::{Block, InFile, OwnSides, Untold};
+pub use block::{Block, InFile, Untold};
 pub(super) use block::{run_alone, side, soles_of, tilts};
 pub(super) use fitting::Weighting;
 
@@ -44,17 +44,20 @@ pub(super) struct Problem<'m> {
     /// What is known of masses before the logs: the prior that was asked for, and the usual
     /// tolerances of CAD, for `mass_distribution`.
     priors: [MassPrior; 2],
+    /// Share of the chance of each effect of the list at its target.
     target_weights: HashMap<Term, f64>,
+    /// How many kinds of effects there are, and of what is no effect.
+    kinds: usize,
     /// What terms cost that have a prior of their own.
     pub prices: HashMap<Term, f64>,
     /// Deviations that an offset of readings may have before the data, m.
     pub offset_stds: Vec<f64>,
-    /// How many targets each kind of effect has.
-    targets: BTreeMap<EffectId, usize>,
     /// How many functions beyond the list are tried.
     pub functions: usize,
     /// Masses are known as tolerances of CAD alone.
     pub masses_are_cad: bool,
+    /// Postures of the first block that count in a fit; all of them unless given.
+    pub kept: Option<Vec<bool>>,
 }
 
 /// A hypothesis to be fitted.
@@ -101,8 +104,8 @@ pub(super) struct OnBlock {
     pub residual: Arc<DVector<f64>>,
     /// Whitened derivative of the same rows by the unknowns of all blocks.
     pub slopes: Arc<DMatrix<f64>>,
-    /// Sides of dead bands, where they matter.
-    pub sides: Option<OwnSides>,
+    /// The side of every joint, posture by posture, where dead bands matter.
+    pub sides: Option<Arc<Vec<f64>>>,
     /// Postures with a joint on the side of its dead band that gravity does not favour.
     pub flipped: Vec<usize>,
 }
@@ -160,9 +163,6 @@ pub(super) fn stacked_slopes(blocks: &[OnBlock], unknowns: usize) -> DMatrix<f64
     below(&parts.collect::<Vec<_>>(), unknowns)
 }
 
-/// Postures of the first block that count in a fit: all of them.
-pub(super) const ALL: Option<&[bool]> = None;
-
 impl<'m> Problem<'m> {
     /// Logs of the robot, the first of which is reported.
     pub(super) fn new(blocks: Vec<Block<'m>>, prior: &Prior) -> Problem<'m> {
@@ -191,16 +191,19 @@ impl<'m> Problem<'m> {
                 nuisance: Arc::default(),
             }
         };
-        let mut targets: BTreeMap<EffectId, usize> = BTreeMap::new();
-        for instance in effects::instances(&blocks[0].context) {
-            *targets.entry(instance.effect.id()).or_default() += 1;
+        let terms = hypothesis::effect_terms(&blocks[0].context);
+        let mut targets: HashMap<&str, f64> = HashMap::new();
+        for term in &terms {
+            *targets.entry(term.name()).or_default() += 1.0;
         }
+        let share = |term: &Term| (term.clone(), 1.0 / targets[term.name()]);
         let mut problem = Problem {
-            targets,
+            kinds: targets.len() + hypothesis::MODEL_PAGES.len(),
+            target_weights: terms.iter().map(share).collect(),
             functions: 0,
+            kept: None,
             masses_are_cad: matches!(prior, Prior::Cad(_)),
             priors: [known(prior), known(&Prior::Cad(Tolerances::usual()))],
-            target_weights: HashMap::new(),
             prices: HashMap::new(),
             offset_stds: offset::STD_M.to_vec(),
             blocks,
@@ -367,11 +370,8 @@ impl<'m> Problem<'m> {
             let readings = block.widened.map(|factor| rows / (factor * factor));
             block.height() as f64 - 2.0 * rows + readings[0] + readings[1]
         };
-        self.blocks
-            .iter()
-            .map(of)
-            .sum::<f64>()
-            .max(std::f64::consts::E)
+        let all: f64 = self.blocks.iter().map(of).sum();
+        all.max(std::f64::consts::E)
     }
 
     /// What unknowns and the number of things that were looked at cost:
@@ -379,20 +379,16 @@ impl<'m> Problem<'m> {
     /// samples. An offset of readings costs no more than its own prior makes it cost.
     pub(super) fn penalty(&self, terms: &[Term]) -> f64 {
         let readings = self.independent();
-        let kinds = self.targets.len() + hypothesis::MODEL_PAGES.len();
-        let targets = |term: &Term| self.targets.get(&term.effect()?.effect.id()).copied();
-        let is_listed = |term: &Term| match term.effect() {
-            Some(own) => self.targets.contains_key(&own.effect.id()),
-            None => true,
-        };
         let of = |term: &Term| {
-            if !is_listed(term) {
-                return self.penalty_of_function(term.unknowns(self.context()));
-            }
-            let own = self.target_weights.get(term).copied();
-            let weight = own.unwrap_or_else(|| 1.0 / targets(term).unwrap_or(1) as f64);
+            let weight = match (term.effect(), self.target_weights.get(term)) {
+                (Some(function), None) => {
+                    return self.penalty_of_function(function.unknowns(self.context()));
+                }
+                (_, own) => own.copied().unwrap_or(1.0),
+            };
             let unknowns = term.penalised_unknowns(self.context());
-            let searched = unknowns as f64 * readings.ln() + 2.0 * (kinds as f64 / weight).ln();
+            let kinds = self.kinds as f64;
+            let searched = unknowns as f64 * readings.ln() + 2.0 * (kinds / weight).ln();
             let own = self.prices.get(term).copied();
             own.map_or(searched, |own| own.min(searched))
         };
@@ -445,19 +441,15 @@ impl<'m> Problem<'m> {
     }
 
     /// How rows count where some postures of the first block are outliers or left out.
-    pub(super) fn weighting(
-        &self,
-        terms: &[Term],
-        outliers: Option<&Outliers>,
-        keep: Option<&[bool]>,
-    ) -> Weighting<'_> {
-        let kept = |keep: &[bool]| -> Vec<f64> {
-            let roots = keep.iter().flat_map(|k| [f64::from(u8::from(*k)); 2]);
+    pub(super) fn weighting(&self, terms: &[Term], outliers: Option<&Outliers>) -> Weighting<'_> {
+        let kept = self.kept.as_deref();
+        let of_kept = |kept: &[bool]| -> Vec<f64> {
+            let roots = kept.iter().flat_map(|k| [f64::from(u8::from(*k)); 2]);
             roots.collect()
         };
         let mut root = match outliers {
-            Some(outliers) => Some(outliers.root_weights(keep)),
-            None => keep.map(kept),
+            Some(outliers) => Some(outliers.root_weights(kept)),
+            None => kept.map(of_kept),
         };
         root.iter_mut()
             .for_each(|root| root.resize(self.height(), 1.0));
@@ -472,18 +464,16 @@ impl<'m> Problem<'m> {
     }
 
     /// The most likely mass errors of a fit, in units of F's columns.
-    pub(super) fn mass_errors(&self, fit: &Fit, keep: Option<&[bool]>) -> DVector<f64> {
-        let rows = self.weighting(&fit.terms, fit.outliers.as_ref(), keep);
-        let mut residual = DMatrix::from_columns(&[fit.residual()]);
-        rows.weigh(&mut residual);
-        rows.masses.posterior_mean(&residual.column(0).into_owned())
+    pub(super) fn mass_errors(&self, fit: &Fit) -> DVector<f64> {
+        let rows = self.weighting(&fit.terms, fit.outliers.as_ref());
+        rows.masses.posterior_mean(&rows.residual(fit))
     }
 
     /// Base parameters of the first block at which a fit ends, m.
     pub(super) fn params_of(&self, fit: &Fit) -> Vec<f64> {
         match &fit.masses {
             Some(masses) => masses.clone(),
-            None => self.moved(self.prior(&fit.terms), &self.mass_errors(fit, ALL)),
+            None => self.moved(self.prior(&fit.terms), &self.mass_errors(fit)),
         }
     }
 
@@ -517,8 +507,8 @@ impl<'m> Problem<'m> {
     }
 
     /// The same shift by rows that count as they do in a fit.
-    pub(super) fn mass_shift_of(&self, fit: &Fit, keep: Option<&[bool]>) -> DVector<f64> {
-        self.masses(&fit.terms).shift(&self.mass_errors(fit, keep))
+    pub(super) fn mass_shift_of(&self, fit: &Fit) -> DVector<f64> {
+        self.masses(&fit.terms).shift(&self.mass_errors(fit))
     }
 
     /// Whether the usual tolerances of CAD leave masses more room than the prior.
@@ -549,29 +539,14 @@ impl<'m> Problem<'m> {
         self.project_out(masses, &column).column(0).into_owned()
     }
 
-    /// −2 log p of one column but for a constant: `eᵀ S e`, by half of what projecting it takes.
-    pub(super) fn chi2(&self, masses: &Nuisance, stacked: &DVector<f64>) -> f64 {
-        let mut chi2 = masses.chi2(stacked);
-        for (block, range) in self.blocks.iter().zip(self.readings()) {
-            if let Some(closure) = &block.closure {
-                let own = stacked.rows_range(range.end..range.end + block.soles());
-                let own = own.into_owned();
-                chi2 += own.dot(&closure.without_common_of(&own)) - own.norm_squared();
-            }
-        }
-        chi2
-    }
-
     /// What is known of the postures of each block, under a fit to them where one is given.
     pub(super) fn posture_contexts(&self, fit: Option<&Fit>) -> Vec<Cow<'_, [f64]>> {
         let blocks = self.blocks.iter().enumerate();
-        let contexts =
-            blocks.map(
-                |(at, block)| match fit.and_then(|fit| fit.blocks[at].sides.as_ref()) {
-                    Some(own) => Cow::Owned(block.context_of(own)),
-                    None => Cow::Borrowed(&block.data.posture_context[..]),
-                },
-            );
+        let sides = |at: usize| fit.and_then(|fit| fit.blocks[at].sides.as_deref());
+        let contexts = blocks.map(|(at, block)| match sides(at) {
+            Some(sides) => block.context_of(sides).into(),
+            None => block.data.posture_context[..].into(),
+        });
         contexts.collect()
     }
 

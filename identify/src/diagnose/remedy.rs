@@ -386,9 +386,8 @@ fn without(description: &Description, load: &Load) -> Result<Vec<Option<Weight>>
         }
     };
     let links = description.links.iter();
-    links
-        .map(|link| (link.name == load.link).then(|| of(link)).transpose())
-        .collect()
+    let masses = links.map(|link| (link.name == load.link).then(|| of(link)).transpose());
+    masses.collect()
 }
 
 /// Elements that differ; `None` where none does.

@@ -23,7 +23,7 @@ use super::remedy::{self, CorrectedUrdf, Servo};
 use super::view::DiagnosisView;
 use super::{experiment, motion, noise, samples, verdict};
 use crate::feet::{Feet, Places};
-use crate::fit::fitted::Fitted;
+use crate::fit::population::Fitted;
 use crate::fit::prior::{Prior, PriorChoice};
 use crate::fit::{Request as FitRequest, check_result, fit, gather_as, offset};
 use crate::health::{self, Finding, Health, sole_of};
@@ -580,9 +580,9 @@ fn take(
 ) -> Result<Postures, Error> {
     let mut data = Postures::read(samples, model, (request.noise, request.floor), watch)?;
     motion::account(&mut data, model, prior, motion);
-    data.warnings
-        .iter()
-        .for_each(|warning| watch.warning(warning));
+    for warning in &data.warnings {
+        watch.warning(warning);
+    }
     Ok(data)
 }
 

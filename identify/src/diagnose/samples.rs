@@ -47,6 +47,15 @@ pub(super) fn explained<'m>(
         found = diagnosis::find(&mut problem, about, beyond, watch)?;
         correlation = correlations(&problem, &found.best);
     }
+    // Where rows are independent, a log stays as it is.
+    let correlated = |correlation: &[[Correlation; 2]], times: &[[f64; 2]]| {
+        let mut problem = first.clone();
+        let logs = correlation.iter().zip(times).enumerate();
+        for (block, (own, times)) in logs.filter(|(_, (own, _))| counts(own)) {
+            problem.correlate_noise(block, *times, own);
+        }
+        problem
+    };
     let mut times = vec![[1.0; 2]; correlation.len()];
     let mut unknowns = found.best.unknowns.len();
     // What an explanation too many has taken from the noise shows when it is gone, and so does
@@ -59,15 +68,7 @@ pub(super) fn explained<'m>(
         for ((times, own), block) in times.iter_mut().zip(&correlation).zip(&problem.blocks) {
             *times = noise_factors(block, *times, own);
         }
-        problem = first.clone();
-        // Where rows are independent, a log stays as it is.
-        for (block, own) in correlation
-            .iter()
-            .enumerate()
-            .filter(|(_, own)| counts(own))
-        {
-            problem.correlate_noise(block, times[block], own);
-        }
+        problem = correlated(&correlation, &times);
         found = diagnosis::find(&mut problem, about, beyond, watch)?;
         let again = correlations(&problem, &found.best);
         let fewer = found.best.unknowns.len() < unknowns;
@@ -83,14 +84,7 @@ pub(super) fn explained<'m>(
         correlation = again;
     }
     if moves && about.usable {
-        problem = first;
-        for (block, own) in correlation
-            .iter()
-            .enumerate()
-            .filter(|(_, own)| counts(own))
-        {
-            problem.correlate_noise(block, times[block], own);
-        }
+        problem = correlated(&correlation, &times);
         found = diagnosis::find(&mut problem, about, Beyond::Tried, watch)?;
     }
     Ok((problem, found, correlation))
@@ -173,35 +167,27 @@ fn noise_factors(block: &Block, now: [f64; 2], correlation: &[Correlation; 2]) -
 
 /// Samples of all logs.
 pub(super) fn of_logs(problem: &Problem, correlation: &[[Correlation; 2]]) -> SampleCount {
-    let mut sum = Sum::default();
-    let mut rows = 0;
+    let (mut sum, mut rows) = (Sum::default(), 0);
     for (block, correlation) in problem.blocks.iter().zip(correlation) {
-        add(block, correlation, &mut sum);
-        rows += block.data.rows;
+        let data = &block.data;
+        let timed = data.t.as_ref().is_some_and(|t| step(t).is_some());
+        // Rows of the log for one that was looked at.
+        let looked_at = data.rows_per_posture * data.len() as f64;
+        let every = (data.rows as f64 / looked_at).max(1.0);
+        // Postures count by what their stays are worth, and may be correlated themselves.
+        let axes = [0, 1].map(|axis| {
+            let (within, mut own) = (data.within_stays[axis], correlation[axis]);
+            if own.process.is_some() {
+                own.rows_per_sample *= every;
+            }
+            if within.rows_per_sample > 1.0 && data.rows_per_posture > STAYED {
+                own.rows_per_sample *= within.rows_per_sample;
+                own.time_s = own.time_s.max(within.time_s);
+            }
+            own
+        });
+        sum.push(data.rows, &axes, timed);
+        rows += data.rows;
     }
     sum.of(rows)
-}
-
-fn add(block: &Block, correlation: &[Correlation; 2], sum: &mut Sum) {
-    let data = &block.data;
-    let timed = data.t.as_ref().is_some_and(|t| step(t).is_some());
-    // Rows of the log for one that was looked at.
-    let looked_at = data.rows_per_posture * data.len() as f64;
-    let every = (data.rows as f64 / looked_at).max(1.0);
-    // Postures count by what their stays are worth, and may be correlated themselves.
-    let rows_of = |k: usize| {
-        let (within, mut beside) = (data.within_stays[k], correlation[k]);
-        if beside.process.is_some() {
-            beside.rows_per_sample *= every;
-        }
-        match within.rows_per_sample > 1.0 && data.rows_per_posture > STAYED {
-            true => Correlation {
-                rows_per_sample: within.rows_per_sample * beside.rows_per_sample,
-                time_s: within.time_s.max(beside.time_s),
-                ..beside
-            },
-            false => beside,
-        }
-    };
-    sum.push(data.rows, &[0, 1].map(rows_of), timed);
 }

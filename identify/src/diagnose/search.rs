@@ -5,20 +5,23 @@
 //! decides. Pairs are ranked together from the start, since one effect often
 //! takes the part of two. Earlier steps are re-examined: drop one, replace one.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use nalgebra::DVector;
 use sesc_model::effects::Stage;
+use sesc_model::tape::Tape;
 
+use super::criteria;
 use super::dictionary::{Candidate, Dictionary};
 use super::functions::Functions;
-use super::hypothesis::{Term, sorted};
+use super::hypothesis::{Term, compatible, keep_some, sorted};
 use super::nuisance::Nuisance;
 use super::outliers::Outliers;
-use super::problem::{ALL, Fit, Problem, Proposal};
-use super::{criteria, wiring};
+use super::problem::{Fit, Problem, Proposal, run_alone, stacked_residual, stacked_slopes};
 use crate::Error;
+use crate::health::wirings;
+use crate::lsq::factor_normal;
 use crate::threads::{each_long, processors};
 use crate::watch::{Watch, tell};
 
@@ -49,7 +52,7 @@ impl<'m> Search<'m> {
         problem.functions = functions.tried();
         let visible = base.visible(&problem);
         problem.weigh_targets(&visible);
-        let null = problem.fit(&[], None, ALL);
+        let null = problem.fit(&[], None);
         problem.prices.extend(base.price_of_offset(&null, &problem));
         Search {
             problem: Arc::new(problem),
@@ -85,15 +88,10 @@ impl<'m> Search<'m> {
         };
         let mut proposals = self.extensions(parent, (usize::MAX, most));
         proposals.retain(adds_effect);
-        let context = self.problem.context();
-        let terms = proposals.iter().map(|one| sorted(context, &one.terms));
+        let terms = proposals.iter().map(|one| one.terms.clone());
         let terms: Vec<Vec<Term>> = terms.collect();
-        let new = terms
-            .iter()
-            .filter(|terms| !self.known.contains_key(*terms));
-        let problem = &*self.problem;
-        let fits = each_long(new, |terms| problem.fit(terms, Some(parent), ALL));
-        fits.into_iter().for_each(|fit| self.learn(fit));
+        // Nobody stops it.
+        let _ = self.refine(proposals, 1, &mut ());
         let mut all: Vec<Fit> = terms.iter().map(|terms| self.fit(terms, None)).collect();
         all.sort_by(|a, b| a.score().total_cmp(&b.score()));
         all
@@ -105,7 +103,7 @@ impl<'m> Search<'m> {
     /// When `watch` stops the search.
     pub(super) fn run(&mut self, beyond: Beyond, watch: &mut dyn Watch) -> Result<Vec<Fit>, Error> {
         let null = self.fit(&[], None);
-        let faults = wiring::faults(&self.problem);
+        let faults = faults(&self.problem);
         let mut beam = vec![null];
         for depth in 1..=criteria::TOO_MANY_EFFECTS {
             let mut proposals = Vec::new();
@@ -119,12 +117,12 @@ impl<'m> Search<'m> {
                 let gaps = beam.iter().filter(|f| f.objective > large);
                 let further = gaps
                     .take(criteria::WIRING_BESIDE.0)
-                    .flat_map(|f| wiring::beside(&self.problem, f, &faults));
+                    .flat_map(|f| wirings_beside(&self.problem, f, &faults));
                 proposals.extend(further);
             }
             if depth == 1 {
                 proposals.extend(self.pairs(&beam[0]));
-                proposals.extend(wiring::proposals(&self.problem, &self.base, &faults));
+                proposals.extend(wirings_alone(&self.problem, &self.base, &faults));
             }
             self.refine(proposals, depth, watch)?;
             beam = self.beam(depth);
@@ -202,7 +200,7 @@ impl<'m> Search<'m> {
         if let Some(fit) = self.known.get(&terms) {
             return fit.clone();
         }
-        let fit = self.problem.fit(&terms, parent, ALL);
+        let fit = self.problem.fit(&terms, parent);
         self.learn(fit.clone());
         fit
     }
@@ -232,7 +230,7 @@ impl<'m> Search<'m> {
         };
         keep_some(&mut proposals, added, per_kind, most);
         let models = [
-            (Term::Outliers, self.with_outliers(parent)),
+            (Term::Outliers, Some(self.with_outliers(parent))),
             (Term::Masses, self.with_masses(parent)),
         ];
         for (term, change) in models {
@@ -244,13 +242,13 @@ impl<'m> Search<'m> {
     }
 
     /// Change of the objective of a hypothesis beside outliers.
-    fn with_outliers(&self, parent: &Fit) -> Option<f64> {
+    fn with_outliers(&self, parent: &Fit) -> f64 {
         let residual = self.problem.first().readings_of(&parent.blocks[0]);
         let outliers = Outliers::of(residual, None);
         let root = outliers.root_weights(None);
         let squares = residual.iter().zip(&root).map(|(e, w)| (e * w).powi(2));
         let mixture = outliers.objective(residual, None, squares.sum());
-        Some(mixture - DVector::from_column_slice(residual).norm_squared())
+        mixture - DVector::from_column_slice(residual).norm_squared()
     }
 
     /// Change of the objective of a hypothesis beside masses within other tolerances; none where
@@ -323,7 +321,7 @@ impl<'m> Search<'m> {
             }
             let problem = &*self.problem;
             let fits = each_long(&next, |(terms, proposal)| {
-                problem.fit(terms, proposal.parent.as_ref(), ALL)
+                problem.fit(terms, proposal.parent.as_ref())
             });
             // As if one had been fitted after the other: what those before it made hopeless
             // is not known.
@@ -368,18 +366,97 @@ impl<'m> Search<'m> {
     }
 }
 
-/// So many of each kind, and so many of all, that come first.
-fn keep_some<T, K: Ord>(all: &mut Vec<T>, kind: impl Fn(&T) -> K, of_each: usize, most: usize) {
-    let mut seen: BTreeMap<K, usize> = BTreeMap::new();
-    all.retain(|one| {
-        let count = seen.entry(kind(one)).or_default();
-        *count += 1;
-        *count <= of_each
+/// Wiring faults, fitted by full evaluation: signs, swaps, units, axes. None of them is near linear,
+/// so each is computed, alone and beside the best linear effect.
+fn wirings_alone(problem: &Problem, dictionary: &Dictionary, faults: &[Term]) -> Vec<Proposal> {
+    let proposal = |terms: &[&Term], predicted_score: f64| Proposal {
+        terms: terms.iter().map(|term| (*term).clone()).collect(),
+        predicted_score,
+        parent: None,
+    };
+    let penalty = |term: &Term| problem.penalty(std::slice::from_ref(term));
+    let with_best = tried(problem, None, faults, |fault, chi2, left| {
+        let alone = chi2 + penalty(fault);
+        let beside = dictionary.candidates.iter().zip(dictionary.gains_of(left));
+        let beside = beside.map(|(Candidate { term, .. }, gain)| {
+            proposal(&[fault, term], alone - gain + penalty(term))
+        });
+        (proposal(&[fault], alone), beside.min_by(Proposal::order))
     });
-    all.truncate(most);
+    let (mut alone, beside): (Vec<_>, Vec<_>) = with_best.into_iter().unzip();
+    let mut beside: Vec<Proposal> = beside.into_iter().flatten().collect();
+    for list in [&mut alone, &mut beside] {
+        list.sort_by(Proposal::order);
+        list.truncate(criteria::TRIED);
+    }
+    alone.extend(beside);
+    alone
 }
 
-/// Whether a term may stand beside others.
-fn compatible(terms: &[Term], more: &Term) -> bool {
-    terms.iter().all(|term| term.is_compatible(more))
+/// Further faults beside a hypothesis that leaves a large gap: its unknowns stay,
+/// but for what a linear step of theirs takes.
+fn wirings_beside(problem: &Problem, parent: &Fit, faults: &[Term]) -> Vec<Proposal> {
+    let further = faults.iter().filter(|fault| !parent.terms.contains(fault));
+    let mut proposals = tried(problem, Some(parent), further, |fault, chi2, _| {
+        problem.propose(parent, fault, chi2 - parent.objective)
+    });
+    proposals.sort_by(Proposal::order);
+    proposals.truncate(criteria::WIRING_BESIDE.1);
+    proposals
+}
+
+/// Effects without unknowns; of very many in a long log those that come first on some of its
+/// postures: a chain of 100 joints has 5000 pairs of encoders that may be exchanged.
+fn faults(problem: &Problem) -> Vec<Term> {
+    let all = wirings::faults(problem.context()).into_iter();
+    let all: Vec<Term> = all.map(Term::Effect).collect();
+    let postures: usize = problem.blocks.iter().map(|block| block.data.len()).sum();
+    let every = (all.len() * postures).div_ceil(criteria::WIRING_WORK);
+    if every < 2 {
+        return all;
+    }
+    let some = problem.thinned(every);
+    let mut scored = tried(&some, None, &all, |fault, chi2, _| (fault.clone(), chi2));
+    scored.sort_by(|a, b| a.1.total_cmp(&b.1));
+    scored.truncate(criteria::WIRING_WORK / postures);
+    scored.into_iter().map(|(fault, _)| fault).collect()
+}
+
+/// What `of` makes of each fault beside a hypothesis, of its χ² and of what of its residuals is no
+/// mass error; unknowns stay, but for what a linear step of theirs takes of χ².
+fn tried<'f, T: Send>(
+    problem: &Problem,
+    parent: Option<&Fit>,
+    faults: impl IntoIterator<Item = &'f Term>,
+    of: impl Fn(&'f Term, f64, &DVector<f64>) -> T + Sync,
+) -> Vec<T> {
+    let (terms, unknowns) = parent.map_or((&[][..], &[][..]), |fit| {
+        (&fit.terms[..], &fit.unknowns[..])
+    });
+    let (masses, contexts) = (problem.masses(terms), problem.posture_contexts(parent));
+    let predicted = problem.predict(terms, unknowns, &contexts, None);
+    let own = stacked_slopes(&predicted, unknowns.len());
+    let left_of_own = problem.project_out(masses, &own);
+    let factor = factor_normal(own.tr_mul(&left_of_own));
+    let found = each_long(faults, |fault| {
+        let rewired = problem.blocks.iter().map(|block| {
+            let own = problem.carried(block, std::slice::from_ref(fault), &[]);
+            block.rewired(&own.terms)
+        });
+        let (q, rewires): (Vec<Vec<f64>>, Vec<Option<Tape>>) = rewired.unzip();
+        let mut predicted = problem.predict(terms, unknowns, &contexts, Some(&q));
+        for ((on, block), rewire) in predicted.iter_mut().zip(&problem.blocks).zip(&rewires) {
+            if let Some(tape) = rewire {
+                let readings = run_alone(tape, &block.predicted(on), block.data.len());
+                block.put_readings(&readings, on);
+            }
+        }
+        let residual = stacked_residual(&predicted);
+        let left = problem.project_out_one(masses, &residual);
+        let pull = left_of_own.tr_mul(&residual);
+        let gain = factor.as_ref().map_or(0.0, |f| pull.dot(&f.solve(&pull)));
+        let chi2 = residual.dot(&left) - gain;
+        chi2.is_finite().then(|| of(fault, chi2, &left))
+    });
+    found.into_iter().flatten().collect()
 }

@@ -1,9 +1,10 @@
 //! The sentences that sum a diagnosis up.
 
-use super::{com_spread, criteria};
 use sesc_model::text::listed;
 
+use super::criteria;
 use super::findings::{Diagnosis, Explained, Verdict};
+use super::model_file::com_sentence;
 use super::problem::{Problem, Untold};
 use super::words::{self, capital};
 
@@ -11,14 +12,6 @@ use super::words::{self, capital};
 const NAMED: usize = 4;
 /// Noise of the axes is said of each from this ratio on.
 const AXES_APART: f64 = 1.5;
-
-/// Say in a few sentences what a good colleague would, and, for a page, what that adds to a title
-/// that names the effects and to a table of errors.
-pub(super) fn state(problem: &Problem, found: &mut Explained) {
-    let (sentence, lead) = sum_up(problem, found);
-    found.diagnosis.sentence = sentence;
-    found.diagnosis.lead = lead;
-}
 
 /// Why noise is not told from a misfit, and what would tell it.
 fn said_of_noise(untold: Untold) -> String {
@@ -45,25 +38,25 @@ fn said_of_noise(untold: Untold) -> String {
     }
 }
 
-fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
+/// Say in a few sentences what a good colleague would, and, for a page, what that adds to a title
+/// that names the effects and to a table of errors.
+pub(super) fn state(problem: &Problem, found: &mut Explained) {
     let d = &found.diagnosis;
     let mm = |x: f64| format!("{:.2} mm", 1e3 * x);
-    let before = format!(
-        "Simulated and measured CoP differ by {} RMS per axis; noise explains {}.",
-        mm(d.baseline.rmse),
-        mm(d.noise_floor)
-    );
+    let both = |x: f64, y: f64, how: [&str; 2]| format!("{}{}{}{}", mm(x), how[0], mm(y), how[1]);
     let [x, y] = problem.first().noise_by_axis();
-    let before = match x.max(y) > AXES_APART * x.min(y) {
-        true => format!(
-            "Simulated and measured CoP differ by {} RMS in x and {} in y; noise explains {} and {}.",
-            mm(d.baseline.rmse_x),
-            mm(d.baseline.rmse_y),
-            mm(x),
-            mm(y)
+    let (gap, noise) = match x.max(y) > AXES_APART * x.min(y) {
+        true => (
+            both(
+                d.baseline.rmse_x,
+                d.baseline.rmse_y,
+                [" RMS in x and ", " in y"],
+            ),
+            both(x, y, [" and ", ""]),
         ),
-        false => before,
+        false => (mm(d.baseline.rmse) + " RMS per axis", mm(d.noise_floor)),
     };
+    let before = format!("Simulated and measured CoP differ by {gap}; noise explains {noise}.");
     let mut parts = Vec::new();
     if d.samples.independent < d.samples.rows {
         parts.push(format!("The log has {}.", d.samples.sentence()));
@@ -171,7 +164,7 @@ fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
             mm(d.last.rmse)
         ));
     }
-    parts.extend(com_spread::sentence(found));
+    parts.extend(com_sentence(found));
     let on_log = &d.model_on_log;
     if on_log.stated_rmse > 0.0 && !on_log.agrees {
         parts.push(format!(
@@ -182,7 +175,8 @@ fn sum_up(problem: &Problem, found: &Explained) -> (String, String) {
     }
     parts.extend(limits(d));
     parts.insert(0, before);
-    (parts.join(" "), lead.join(" "))
+    found.diagnosis.sentence = parts.join(" ");
+    found.diagnosis.lead = lead.join(" ");
 }
 
 /// From which size on offsets of the joints that matter show, and which offsets do not.
@@ -199,11 +193,9 @@ fn limits(d: &Diagnosis) -> Vec<String> {
             best.target, best.size, worst.target, worst.size
         )),
     }
-    let blind = d
-        .blind
-        .iter()
-        .map(|own| format!("of {} {}", own.target, own.unseen()));
     if !d.blind.is_empty() {
+        let blind = d.blind.iter();
+        let blind = blind.map(|own| format!("of {} {}", own.target, own.unseen()));
         parts.push(format!(
             "Could not have been seen: offsets {}.",
             listed(blind, NAMED)

@@ -16,39 +16,27 @@ pub(super) fn values(problem: &Problem, fit: &Fit) -> Vec<Sizes> {
     let context = problem.context();
     let values = with_places(&fit.terms, context).map(|(term, own)| {
         let (at, count) = (own.start, own.len());
-        let covariance = fit.covariance.view((at, at), (count, count)).into_owned();
-        with_deviations(context, term, &fit.unknowns[own], &covariance)
-    });
-    values.collect()
-}
-
-fn with_deviations(
-    context: &EffectContext,
-    term: &Term,
-    unknowns: &[f64],
-    covariance: &DMatrix<f64>,
-) -> Sizes {
-    let of = |x: &[f64]| term.values(context, x);
-    let scales = term.scales(context);
-    let now = of(unknowns);
-    let mut slopes = DMatrix::zeros(now.len(), unknowns.len());
-    for k in 0..unknowns.len() {
-        let step = 1e-5 * scales[k];
-        let moved = |by: f64| {
-            let mut x = unknowns.to_vec();
-            x[k] += by;
-            of(&x)
-        };
-        let (ahead, behind) = (moved(step), moved(-step));
-        for (row, (a, b)) in ahead.iter().zip(&behind).enumerate() {
-            slopes[(row, k)] = (a.value - b.value) / (2.0 * step);
+        let unknowns = &fit.unknowns[own];
+        let now = term.values(context, unknowns);
+        let mut slopes = DMatrix::zeros(now.len(), count);
+        for (k, scale) in term.scales(context).into_iter().enumerate() {
+            let step = 1e-5 * scale;
+            let [ahead, behind] = [step, -step].map(|by| {
+                let mut moved = unknowns.to_vec();
+                moved[k] += by;
+                term.values(context, &moved)
+            });
+            for (row, (a, b)) in ahead.iter().zip(&behind).enumerate() {
+                slopes[(row, k)] = (a.value - b.value) / (2.0 * step);
+            }
         }
-    }
-    let spread = &slopes * covariance * slopes.transpose();
-    let values = now.into_iter().enumerate();
-    let values = values.map(|(k, Value { name, value })| {
-        let std = spread[(k, k)].max(0.0).sqrt();
-        (name, Quantity { value, std })
+        let spread = &slopes * fit.covariance.view((at, at), (count, count)) * slopes.transpose();
+        let values = now.into_iter().enumerate();
+        let values = values.map(|(k, Value { name, value })| {
+            let std = spread[(k, k)].max(0.0).sqrt();
+            (name, Quantity { value, std })
+        });
+        values.collect()
     });
     values.collect()
 }

@@ -269,11 +269,8 @@ impl Places {
             Some(Ok(parts)) => parts,
             _ => (of, 0.0),
         };
-        let link = model
-            .tree
-            .links
-            .iter()
-            .position(|link| link.name == carrier)?;
+        let mut links = model.tree.links.iter();
+        let link = links.position(|link| link.name == carrier)?;
         let (body, place) = poses::of_link(&model, link)?;
         let origin = place.point(&Vector3::new(0.0, 0.0, -below_m));
         Some((model, body, poses::Pose { origin, ..place }))

@@ -8,8 +8,7 @@ use nalgebra::DVector;
 use serde::Serialize;
 use sesc_model::{Model, Snapping, urdf};
 
-use super::limits::Limits;
-use super::masses::{self, Masses};
+use super::masses::{self, Limits, Masses};
 use super::prior::Prior;
 use crate::robot::Robot;
 use crate::{Error, Setting, message};

@@ -13,18 +13,16 @@ use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
 
 use super::robust::Robust;
-use super::stream::Stream;
 use super::timing::Timing;
 use crate::Error;
 use crate::feet::ClosureFound;
 use crate::health::Finding;
 use crate::logs::{Block, Weight};
-use crate::observations::correlation::Independent;
-use crate::observations::grouping::{DOWN, Grouping, Visit};
-use crate::observations::motion::Motion;
+use crate::observations::correlation::{Independent, Whitener};
+use crate::observations::grouping::{DOWN, Grouping};
 use crate::observations::motion_use::MotionUse;
 use crate::observations::noise::{Known, LEAST_STD};
-use crate::observations::repeats::{Group, Repeats};
+use crate::observations::repeats::Repeats;
 use crate::observations::revisits::Again;
 use crate::observations::row_matrix::RowMatrix;
 use crate::observations::rows::{ByMotion, Measurement, Rows};
@@ -34,13 +32,11 @@ use crate::observations::sample_count;
 pub use sesc_model::DataUsed as LogUsed;
 
 mod fold;
-mod folding;
 mod merge;
-mod together;
 
 pub use fold::Fold;
-pub(super) use folding::Folding;
-use folding::{Goal, Share, Work};
+use fold::Goal;
+pub(super) use fold::{Work, fold_in};
 
 /// A posture that a robust fit trusts less.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -105,7 +101,7 @@ pub struct Gathered {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weight: Option<Weight>,
     #[serde(skip)]
-    pub(super) postures: Grouping<Group>,
+    pub(super) postures: Grouping,
     #[serde(skip)]
     pub(super) stream: Stream,
 }
@@ -163,9 +159,10 @@ impl Gathered {
     /// A log begins whose noise is like `timing` says; without, its rows are independent.
     pub fn begin_log(&mut self, timing: &Timing) {
         self.stream = Stream::new(timing);
-        self.correlated |= self.stream.whitens() || timing.trust < 1.0;
+        let freed = self.stream.whiteners.is_some() || timing.trust < 1.0;
+        self.correlated |= freed;
         // Rows do not count as they are.
-        if self.stream.whitens() || timing.axes != [1.0; 2] || timing.trust < 1.0 {
+        if freed || timing.axes != [1.0; 2] {
             for fold in &mut self.folds {
                 fold.part_plain();
             }
@@ -183,22 +180,23 @@ impl Gathered {
         file: &str,
         robust: Option<(&Robust, &DVector<f64>)>,
     ) -> Result<(), Error> {
-        let mut here = Folding::default();
-        self.push_moving(measurement, (block, None), file, robust, &mut here)
+        let rows = measurement.rows(block)?;
+        let work = self.take(block, rows, file, robust)?;
+        fold_in(&work, &mut self.folds);
+        Ok(())
     }
 
-    /// The same with the motion of the block's joints, on the threads of `folding`.
+    /// Sum up a block with its `rows`, but for what is left to be folded in.
     ///
     /// # Errors
     /// As [`Gathered::push`].
-    pub(super) fn push_moving(
+    pub(super) fn take(
         &mut self,
-        measurement: &mut Measurement,
-        (block, motion): (&Block, Option<&Motion>),
+        block: &Block,
+        rows: Rows,
         file: &str,
         robust: Option<(&Robust, &DVector<f64>)>,
-        folding: &mut Folding,
-    ) -> Result<(), Error> {
+    ) -> Result<Vec<Work>, Error> {
         let bad = |message: &str| Error::log(file, None, message);
         let readings = block
             .reading
@@ -210,7 +208,6 @@ impl Gathered {
                  add the columns or leave them out of all",
             ));
         }
-        let rows = measurement.moving_rows(block, motion)?;
         let std = self.deviations(block, &rows);
         self.stream.moving.0 += rows.motion.len();
         let shifts = rows.motion.iter().flat_map(|shift| shift.read);
@@ -221,107 +218,99 @@ impl Gathered {
             Some((robust, params)) => {
                 let weights = robust.weights(&rows, &std, params);
                 self.consistency = robust.consistency();
-                self.name_outliers(block, &rows, &weights, params, file);
+                let residual = rows.residual(params);
+                let distrusted = (0..block.len()).filter(|k| weights[*k] < 0.5);
+                let listed = distrusted.map(|k| DownWeighted {
+                    file: file.to_string(),
+                    line: block.line[k],
+                    pose: block.pose[k],
+                    weight: weights[k],
+                    residual: residual[2 * k].hypot(residual[2 * k + 1]),
+                });
+                let room = LISTED - self.down_weighted.len();
+                self.down_weighted.extend(listed.take(room));
                 weights
             }
         };
-        let dof = measurement.model().dof();
-        let (first, by_time) = (self.stream.rows, self.stream.keys(block));
+        let (first, moved) = (self.stream.rows, self.postures.moved());
         let mut keys = Vec::with_capacity(block.len());
         for k in 0..block.len() {
             let support = block.support.as_ref().map_or("", |all| &all[k]);
             let gravity = block.gravity.as_ref().map_or(DOWN, |all| all[k]);
-            let q = &block.q[k * dof..(k + 1) * dof];
             let name = (block.pose[k], support);
-            let (posture, visit) = self.postures.of_row(name, q, gravity);
-            let first = self.stream.timing.first_visits.get(&posture.key);
-            let key = *first.unwrap_or(&posture.key);
-            keys.push(by_time.as_ref().map_or(key, |keys| keys[k]));
+            let posture = self.postures.of_row(name, block.joints(k), gravity);
+            let t = block.t.as_ref().map(|all| all[k]);
+            keys.push(self.stream.timing.key(posture.key, t));
             // A reading that a robust fit rejects is no repeat.
             if trust[k] >= 0.5 {
                 let visit = posture.visits;
                 self.repeats
-                    .push(&mut posture.own, visit, readings[k], std[k]);
+                    .push(&mut posture.group, visit, readings[k], std[k]);
             }
             for (sum, std) in self.axes.iter_mut().zip(std[k]) {
                 *sum += std * std;
             }
-            self.moved += u64::from(visit == Visit::Moved);
             if block.std.is_some() {
                 self.stated += std[k][0] * std[k][0] + std[k][1] * std[k][1];
             }
         }
+        self.moved += self.postures.moved() - moved;
         self.stream.rows += block.len();
-        let rows_of = |k: usize| [2 * k, 2 * k + 1];
-        if self.stream.whitens() {
+        if self.stream.whiteners.is_some() {
             let t = block.t.as_deref().unwrap_or_default();
             let independent = self.stream.push(t, &rows, &keys, &std, &trust);
-            self.deal_independent(&independent, folding);
             let every = if self.stream.timing.long { PLAIN } else { 1 };
             let plain = (0..block.len()).filter(|k| (first + k).is_multiple_of(every));
-            let plain = plain.flat_map(|k| rows_of(k).map(|row| (keys[k], row, 1.0)));
-            self.deal(rows, plain, folding, |_| Goal::Plain);
-            return Ok(());
+            let plain = plain.flat_map(|k| [2 * k, 2 * k + 1].map(|row| (keys[k], row, 1.0)));
+            let plain = self.deal((rows.matrix, rows.reading), plain, Goal::Plain);
+            let freed = self.deal_independent(&independent);
+            return Ok(freed.into_iter().chain([plain]).collect());
         }
         let counts = self.stream.timing.trust;
         self.trusted += counts * trust.iter().sum::<f64>();
         let weighed = (0..block.len()).flat_map(|k| {
             let weight = |axis: usize| (counts * trust[k]).sqrt() / std[k][axis];
-            [0, 1].map(|axis| (keys[k], rows_of(k)[axis], weight(axis)))
+            [0, 1].map(|axis| (keys[k], 2 * k + axis, weight(axis)))
         });
-        // The deviation that all rows of a fold have, if it is one.
-        let each = |rows: &Share| {
-            let each = std[rows.first()?.0 / 2][0];
-            let is_it = |k: usize| counts * trust[k] == 1.0 && std[k] == [each; 2];
-            rows.iter().all(|(row, _)| is_it(row / 2)).then_some(each)
-        };
-        self.deal(rows, weighed, folding, |shares| {
-            Goal::Both(shares.iter().map(each).collect())
-        });
-        Ok(())
+        Ok(vec![self.deal(
+            (rows.matrix, rows.reading),
+            weighed,
+            Goal::Both,
+        )])
     }
 
     /// Rows to their folds: each with the key that deals it, its number and its weight.
     fn deal(
-        &mut self,
-        rows: Rows,
+        &self,
+        (matrix, reading): (RowMatrix, DVector<f64>),
         dealt: impl Iterator<Item = (i64, usize, f64)>,
-        folding: &mut Folding,
-        goal: impl FnOnce(&[Share]) -> Goal,
-    ) {
-        let mut shares = vec![Share::new(); self.folds.len()];
+        goal: Goal,
+    ) -> Work {
+        let mut shares = vec![Vec::new(); self.folds.len()];
         for (key, row, weight) in dealt {
-            let fold = self.stream.fold(key, shares.len());
+            let fold = self.stream.timing.fold(key, shares.len());
             shares[fold].push((row, weight));
         }
-        let work = Work {
-            matrix: rows.matrix,
-            reading: rows.reading,
-            goal: goal(&shares),
+        Work {
+            matrix,
+            reading,
             shares,
-        };
-        folding.push(work, &mut self.folds);
+            goal,
+        }
     }
 
     /// Independent rows of the stream, each of one axis, to their folds.
-    fn deal_independent(&mut self, independent: &[Independent], folding: &mut Folding) {
-        let Some(first) = independent.first() else {
-            return;
-        };
-        let params = first.row.len() - 1;
-        let entries = independent.iter().flat_map(|row| &row.row[..params]);
-        let rows = Rows {
-            matrix: RowMatrix {
-                entries: entries.copied().collect(),
-                columns: params,
-            },
-            reading: DVector::from_fn(independent.len(), |row, _| independent[row].row[params]),
-            motion: Vec::new(),
-        };
+    fn deal_independent(&mut self, independent: &[Independent]) -> Option<Work> {
+        let columns = independent.first()?.row.len() - 1;
+        let entries = independent.iter().flat_map(|row| &row.row[..columns]);
+        let entries = entries.copied().collect();
+        let reading = independent.iter().map(|row| row.row[columns]);
+        let reading = DVector::from_vec(reading.collect());
         let weighed = independent.iter().enumerate();
         let weighed = weighed.map(|(k, row)| (row.key, k, row.trust.sqrt()));
-        self.deal(rows, weighed, folding, |_| Goal::Weighted);
         self.trusted += 0.5 * independent.iter().map(|row| row.trust).sum::<f64>();
+        let matrix = RowMatrix { entries, columns };
+        Some(self.deal((matrix, reading), weighed, Goal::Weighted))
     }
 
     /// Deviations of a block's rows, m; in units of both axes' RMS where none are stated.
@@ -349,14 +338,13 @@ impl Gathered {
         &mut self,
         measurement: &mut Measurement,
         left_out: u64,
-        mut folding: Folding,
     ) -> Result<(), Error> {
         if self.stream.timing.plan.is_none() || self.postures.is_of_stays() {
             measurement.join_reached_again(&mut self.repeats, &self.postures)?;
         }
         let independent = self.stream.end();
-        self.deal_independent(&independent, &mut folding);
-        folding.end(&mut self.folds);
+        let work = self.deal_independent(&independent);
+        fold_in(work.as_slice(), &mut self.folds);
         let stream = std::mem::take(&mut self.stream);
         let timing = &stream.timing;
         let rows = stream.rows as u64 + left_out;
@@ -375,26 +363,60 @@ impl Gathered {
         self.postures.clear();
         Ok(())
     }
+}
 
-    fn name_outliers(
+/// State between the blocks of a log.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Stream {
+    timing: Timing,
+    /// Rows so far.
+    rows: usize,
+    /// Rows in motion, and the square sum of what it adds to their readings, m².
+    moving: (usize, f64),
+    /// Of each axis, where rows are freed of their correlation.
+    whiteners: Option<[Whitener; 2]>,
+}
+
+impl Stream {
+    fn new(timing: &Timing) -> Stream {
+        let processes = timing.correlation.map(|axis| axis.process);
+        let whiteners = processes.map(|process| Whitener::new(process.unwrap_or_default()));
+        Stream {
+            whiteners: processes.iter().any(Option::is_some).then_some(whiteners),
+            timing: timing.clone(),
+            ..Stream::default()
+        }
+    }
+
+    /// The independent rows that a block's rows complete: each has a time, the key that deals it
+    /// to its fold, deviations, m or in units of both axes' RMS, and a trust, 0 to 1.
+    fn push(
         &mut self,
-        block: &Block,
+        t: &[f64],
         rows: &Rows,
-        weights: &[f64],
-        params: &DVector<f64>,
-        file: &str,
-    ) {
-        let residual = rows.residual(params);
-        for (k, &weight) in weights.iter().enumerate() {
-            if weight < 0.5 && self.down_weighted.len() < LISTED {
-                self.down_weighted.push(DownWeighted {
-                    file: file.to_string(),
-                    line: block.line[k],
-                    pose: block.pose[k],
-                    weight,
-                    residual: residual[2 * k].hypot(residual[2 * k + 1]),
-                });
+        keys: &[i64],
+        std: &[[f64; 2]],
+        trust: &[f64],
+    ) -> Vec<Independent> {
+        let params = rows.matrix.columns;
+        let Timing { axes, freed, .. } = &self.timing;
+        let (mut row, mut ended) = (vec![0.0; params + 1], Vec::new());
+        for (k, &t) in t.iter().enumerate() {
+            for (axis, whitener) in self.whiteners.iter_mut().flatten().enumerate() {
+                let weight = axes[axis] / freed[axis] / std[k][axis];
+                for (to, from) in row.iter_mut().zip(rows.matrix.row(2 * k + axis)) {
+                    *to = from * weight;
+                }
+                row[params] = rows.reading[2 * k + axis] * weight;
+                ended.extend(whitener.push(t, keys[k], &row, trust[k]));
             }
         }
+        ended
+    }
+
+    /// The independent rows that the end of the log completes.
+    fn end(&mut self) -> Vec<Independent> {
+        let whiteners = self.whiteners.iter_mut().flatten();
+        whiteners.flat_map(Whitener::end).collect()
     }
 }

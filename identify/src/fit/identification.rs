@@ -8,8 +8,7 @@ use sesc_model::{Information, Model, ModelFile};
 
 use super::criteria::{FAR, GROSSLY};
 use super::gather::{DownWeighted, LogUsed};
-use super::limits::Limits;
-use super::masses::Masses;
+use super::masses::{Limits, Masses};
 use super::offset::{self, Offset};
 use super::prior::Prior;
 use crate::NextStep;
@@ -37,7 +36,7 @@ pub struct Settings {
     pub offset: Vec<f64>,
     /// Where masses can be; anywhere where not given.
     pub(super) limits: Option<Limits>,
-    /// What [`over_range`](super::summary::over_range()) makes of the model, where it is known.
+    /// What [`over_range`](super::estimate::over_range()) makes of the model, where it is known.
     pub(super) over_range: Option<Arc<DMatrix<f64>>>,
 }
 

@@ -1,13 +1,13 @@
 //! From logs to factors: rows are read once, looked at, and folded in block by block, a few times
 //! over for a robust fit.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use nalgebra::{DMatrix, DVector};
 use sesc_model::Model;
 
 use super::criteria::TO_SEE_OUTLIERS;
-use super::gather::{Folding, Gathered, LogUsed};
+use super::gather::{Gathered, LogUsed, fold_in};
 use super::prior::Tolerances;
 use super::request::{FOLDS, Request};
 use super::robust::{self, Loss, MEDIAN_OF_PAIRS, Robust};
@@ -21,6 +21,7 @@ use crate::observations::postures::Postures;
 use crate::observations::revisits::{Again, Untold};
 use crate::observations::rows::Measurement;
 use crate::robot::Robot;
+use crate::threads::both;
 use crate::watch::{Watch, tell};
 use crate::{Error, Setting, message};
 
@@ -293,11 +294,18 @@ impl<'r> Logs<'r> {
             let (samples, mut reader) = logged?;
             let name = samples.log.name();
             gathered.begin_log(timing);
-            let before = gathered.readings;
-            let mut folding = Folding::default();
+            let (before, mut work) = (gathered.readings, Vec::new());
             loop {
-                let (block, motion) = reader.known_rows(BLOCK)?;
-                for warning in reader.warnings.drain(..) {
+                // The last rows are folded in while the next ones are read.
+                let folds = Mutex::new(&mut gathered.folds[..]);
+                let fold = || fold_in(&work, &mut folds.lock().expect("no fold has panicked"));
+                let ((), read) = both(fold, || {
+                    let (block, motion) = reader.known_rows(BLOCK)?;
+                    let rows = measurement.moving_rows(&block, motion.as_ref())?;
+                    Ok::<_, Error>((block, rows))
+                });
+                let (block, rows) = read?;
+                for warning in reader.log.warnings.drain(..) {
                     if robust.is_none() {
                         watch.warning(&warning);
                     }
@@ -305,15 +313,11 @@ impl<'r> Logs<'r> {
                 if block.is_empty() {
                     break;
                 }
-                if block.len() == BLOCK {
-                    folding.begin(&mut gathered.folds);
-                }
-                let rows = (&block, motion.as_ref());
-                gathered.push_moving(measurement, rows, name, robust, &mut folding)?;
-                let (done, total) = reader.progress();
+                work = gathered.take(&block, rows, name, robust)?;
+                let (done, total) = reader.log.progress();
                 tell(watch, what, done, total)?;
             }
-            if let Some(summary) = reader.summary() {
+            if let Some(summary) = reader.log.summary() {
                 if gathered.logs.iter().any(|log| log.hash == summary.hash) {
                     return Err(Error::request(format!(
                         "{name}: given twice, its postures would count twice"
@@ -326,8 +330,8 @@ impl<'r> Logs<'r> {
                     times: summary.times,
                 });
             }
-            gathered.end_log(measurement, reader.left_out, folding)?;
-            gathered.averaged += reader.averaged() * (gathered.readings - before) as f64;
+            gathered.end_log(measurement, reader.left_out)?;
+            gathered.averaged += reader.log.averaged() * (gathered.readings - before) as f64;
         }
         Ok(gathered)
     }

@@ -11,8 +11,7 @@ use sesc_model::{Model, Snapping};
 
 use super::corrected::{Corrected, correct};
 use super::gather::Gathered;
-use super::limits::Limits;
-use super::masses::FLOOR;
+use super::masses::{FLOOR, Limits};
 use super::prior::Prior;
 use super::{Identification, Settings, identify};
 use crate::Error;

@@ -9,19 +9,36 @@
 //! [`super::prior`], D what keeps mass fractions summing to one. Without active
 //! inequalities the answer is the mean of θ given the data: what data do not tell
 //! stays at CAD.
+//!
+//! # Fits that only real masses can give
+//!
+//! ```text
+//! min ‖(R W θ − z) / σ‖² + ‖v‖²       under the same bounds
+//! ```
+//!
+//! When the plain fit breaks no bound it is the answer. A free fit has a prior [`WEAK`] times wider
+//! than CAD usually is, and only where a bound is active: there it settles what data leave
+//! open. Standard deviations stay those of the plain fit: what bounds add is not
+//! counted.
 
 use nalgebra::{DMatrix, DVector, Vector4};
 use sesc_model::Model;
 use sesc_model::standard::PER_LINK;
 use sesc_model::text::listed;
-use sesc_model::urdf::Weight;
+use sesc_model::urdf::{self, Extent, Weight};
 
-use super::limits::Limits;
-use super::prior::Tolerances;
+use super::prior::{Prior, Tolerances};
+use crate::lsq::factor::Factor;
 use crate::lsq::inequality::{ConstrainedProblem, Linear, NoAnswer};
+use crate::robot::Robot;
 use crate::svd::svd;
 use crate::tolerances::{LinkBlocks, from_columns};
 
+/// Least room of a generous box on each side, m.
+const ROOM: f64 = 0.1;
+/// Tolerances of a free fit, in units of the usual ones: masses to ten times their
+/// own, CoMs to half a metre.
+const WEAK: f64 = 100.0;
 /// A link keeps at least this part of the mass CAD gives it.
 pub const FLOOR: f64 = 0.01;
 /// A link that must get mass though CAD gives it none may weigh this part of the mean link.
@@ -317,5 +334,103 @@ impl Masses {
                 false => found,
             }
         })
+    }
+}
+
+/// What bounds make of the `plain` fit to `factor` (σ = 1 where rows are weighted), and its masses.
+///
+/// # Errors
+/// When the search does not converge.
+pub fn constrain(
+    model: &Model,
+    factor: &Factor,
+    sigma: f64,
+    prior: &Prior,
+    limits: &Limits,
+    plain: &DVector<f64>,
+) -> Result<(DVector<f64>, Masses), String> {
+    let free = matches!(prior, Prior::Free);
+    let width = if free { WEAK } else { 1.0 };
+    let space = Space::new(model, &prior.tolerances())?;
+    // No bound is felt when masses of the plain fit keep them all: for a prior, its
+    // own most likely ones; without, any.
+    if let Ok(mut masses) = space.nearest(plain, limits)
+        && (free || masses.active.is_empty())
+    {
+        masses.active.clear();
+        return Ok((plain.clone(), masses));
+    }
+    let cad = DVector::from_vec(model.cad_params());
+    let gain = width / sigma;
+    let data = Linear {
+        matrix: factor.r() * space.to_base() * gain,
+        right: (factor.z() - factor.r() * cad) * gain,
+    };
+    let none = Linear::none(data.matrix.ncols());
+    let masses = space.best(data, none, limits).map_err(|no| match no {
+        NoAnswer::Stuck => "the search for physical masses did not converge",
+        _ => "no physical masses are within the tolerances",
+    })?;
+    Ok((space.base(&masses.theta), masses))
+}
+
+/// Bounds of physical masses: none far below CAD's, and each CoM inside a box.
+///
+/// Where the URDF gives no shape of known size, the box is generous: around the link's
+/// frame, its joints and CAD's CoM, and on each side as much again (`ROOM` at least).
+/// Without it a mass of nothing could sit in the next town.
+#[derive(Debug, Clone, Default)]
+pub struct Limits {
+    /// Extent of each link in document order, and what it is around, in words.
+    boxes: Vec<(Extent, &'static str)>,
+}
+
+impl Limits {
+    /// Those of the collision geometry of `robot`, generous ones elsewhere.
+    ///
+    /// # Errors
+    /// When its text cannot be read.
+    pub fn of(robot: &Robot) -> Result<Limits, crate::Error> {
+        let extents = urdf::extents(&robot.description);
+        let extents = extents.map_err(sesc_model::Error::from)?;
+        let mut limits = Limits::generous(robot);
+        for (k, extent) in extents.into_iter().enumerate() {
+            if let (Some(extent), Some(own)) = (extent, limits.boxes.get_mut(k)) {
+                // Shapes are simplified: a link's box may leave out CAD's own CoM.
+                let com = robot.description.links[k].inertial.origin.xyz;
+                *own = (extent.holding(com), "in the collision geometry");
+            }
+        }
+        Ok(limits)
+    }
+
+    /// Generous ones for every link.
+    pub fn generous(robot: &Robot) -> Limits {
+        let description = &robot.description;
+        let boxes = description.links.iter().map(|link| {
+            let frame = Extent {
+                low: [0.0; 3],
+                high: [0.0; 3],
+            };
+            let mut extent = frame.holding(link.inertial.origin.xyz);
+            for joint in description.joints.iter().filter(|j| j.parent == link.name) {
+                extent = extent.holding(joint.origin.xyz);
+            }
+            let sides = [0, 1, 2].map(|axis| extent.high[axis] - extent.low[axis]);
+            let room = sides.into_iter().fold(ROOM, f64::max);
+            let wide = Extent {
+                low: extent.low.map(|x| x - room),
+                high: extent.high.map(|x| x + room),
+            };
+            (wide, "near the joints of the link")
+        });
+        Limits {
+            boxes: boxes.collect(),
+        }
+    }
+
+    /// Where the CoM of link `k` can be, and what that is around, in words.
+    pub fn extent(&self, k: usize) -> Option<&(Extent, &'static str)> {
+        self.boxes.get(k)
     }
 }

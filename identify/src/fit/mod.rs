@@ -8,12 +8,10 @@
 pub mod corrected;
 mod criteria;
 mod estimate;
-pub mod fitted;
 #[cfg(test)]
 mod freed_tests;
 mod gather;
 mod identification;
-mod limits;
 mod logs;
 #[cfg(test)]
 mod mass_tests;
@@ -22,15 +20,12 @@ pub(crate) mod masses;
 mod noise_tests;
 pub(crate) mod offset;
 pub mod part;
-mod physical;
 pub mod population;
 pub mod prior;
 mod request;
 pub mod residuals;
 mod robust;
 mod run;
-mod stream;
-mod summary;
 mod timing;
 
 pub use crate::observations::motion_use::{MotionModel, MotionUse, Share};

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Normal};
 use sesc_model::Snapping;
 
-use super::gather::{Folding, Gathered};
+use super::gather::Gathered;
 use super::prior::Prior;
 use super::{Identification, Settings, identify};
 use crate::logs::Block;
@@ -174,7 +174,7 @@ fn more_postures_than_can_be_known_are_said() {
     gathered.postures = Grouping::up_to(4);
     let pushed = gathered.push(&mut measurement, &block, "log.csv", None);
     pushed.unwrap();
-    let ended = gathered.end_log(&mut measurement, 0, Folding::default());
+    let ended = gathered.end_log(&mut measurement, 0);
     ended.unwrap();
     // Four come back; two are met twice as if they were others.
     let repeats = &gathered.repeats;

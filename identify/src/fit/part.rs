@@ -296,27 +296,25 @@ impl PartOptions {
     }
 
     fn named(&self) -> [(Setting, String); 3] {
-        let motion = match self.motion {
-            MotionModel::Auto => "auto",
-            MotionModel::Off => "off",
-        };
         let stays = match self.stays {
             Stays::Pooled => "none".to_string(),
             Stays::Apart => "rows apart".to_string(),
             Stays::Moving => "0 s".to_string(),
             Stays::Alone(seconds) => format!("{seconds} s"),
         };
-        let robust = match self.robust {
-            None => "none",
-            Some(Loss::Huber) => "huber",
-            Some(Loss::Tukey) => "tukey",
-        };
+        let robust = self.robust.map_or("none".to_string(), name);
         [
-            (Setting::Motion, motion.to_string()),
+            (Setting::Motion, name(self.motion)),
             (Setting::Settle, stays),
-            (Setting::Robust, robust.to_string()),
+            (Setting::Robust, robust),
         ]
     }
+}
+
+/// The name of an option in files.
+fn name(option: impl Serialize) -> String {
+    let written = serde_json::to_string(&option).unwrap_or_default();
+    written.trim_matches('"').to_string()
 }
 
 #[derive(Deserialize)]

@@ -10,8 +10,9 @@
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
-use sesc_model::{Model, files};
+use sesc_model::{Model, ModelFile, files};
 
+use super::offset;
 use crate::Error;
 use crate::tolerances::from_columns;
 
@@ -49,11 +50,11 @@ struct File<T> {
 }
 
 impl Population {
-    /// Read the text of `file`.
+    /// What the text of `file` knows of the next robot.
     ///
     /// # Errors
     /// When it is no population, or that of another robot or support than `model`'s.
-    pub(super) fn read(text: &str, file: &str, model: &Model) -> Result<Population, Error> {
+    pub(super) fn read(text: &str, file: &str, model: &Model) -> Result<Fitted, Error> {
         let bad = |reason: String| Error::prior(file, reason);
         let found: File<Population> =
             files::parse_toml(text, FORMAT).map_err(|fault| Error::prior_toml(file, fault))?;
@@ -79,10 +80,14 @@ impl Population {
         if !all.copied().all(f64::is_finite) {
             return Err(bad("its numbers are not all finite".to_string()));
         }
-        if found.factor().is_none() {
-            return Err(bad("its covariance has a negative eigenvalue".to_string()));
-        }
-        Ok(found)
+        let factor = found.factor();
+        Ok(Fitted {
+            source: found.robots.to_string(),
+            centre: found.mean.into(),
+            factor: factor
+                .ok_or_else(|| bad("its covariance has a negative eigenvalue".to_string()))?,
+            logs: Vec::new(),
+        })
     }
 
     /// The text of its file.
@@ -97,13 +102,8 @@ impl Population {
         ))
     }
 
-    /// The means, m.
-    pub(crate) fn centre(&self) -> DVector<f64> {
-        DVector::from_column_slice(&self.mean)
-    }
-
     /// S with S Sᵀ = Σ; none where Σ is no covariance.
-    pub(crate) fn factor(&self) -> Option<DMatrix<f64>> {
+    fn factor(&self) -> Option<DMatrix<f64>> {
         let n = self.mean.len();
         let covariance = DMatrix::from_fn(n, n, |i, j| self.covariance[i][j]);
         let even = (&covariance + covariance.transpose()) * 0.5;
@@ -121,5 +121,70 @@ impl Population {
             .map(|(value, axis)| axis * value.sqrt())
             .collect();
         Some(from_columns(n, &kept))
+    }
+}
+
+/// Base parameters of one robot, or of the next one of a fleet, and how well they are known, with the
+/// logs that they are from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted {
+    /// File of the parameters, names of the logs of the healthy robot, or how many robots they are of.
+    pub source: String,
+    /// r̂, m.
+    pub(super) centre: DVector<f64>,
+    /// S.
+    pub(super) factor: DMatrix<f64>,
+    /// Hashes of the logs that they were fitted to.
+    pub(super) logs: Vec<String>,
+}
+
+/// S with S Sᵀ the covariance, of an information `factor`. Rows of zeros know nothing of their
+/// parameter: the others are taken given it.
+pub(crate) fn inverse(factor: &[Vec<f64>]) -> DMatrix<f64> {
+    let n = factor.len();
+    let mut inverse = DMatrix::zeros(n, n);
+    for k in 0..n {
+        // R x = e_k, from below.
+        for i in (0..=k).rev() {
+            let own = &factor[i];
+            let known = (i + 1..=k).map(|j| own[j - i] * inverse[(j, k)]);
+            let known = known.sum::<f64>();
+            let one = if i == k { 1.0 } else { 0.0 };
+            if own[0] > 0.0 {
+                inverse[(i, k)] = (one - known) / own[0];
+            }
+        }
+    }
+    inverse
+}
+
+impl Fitted {
+    /// What `file` knows of the robot of `model`.
+    ///
+    /// # Errors
+    /// A file of another robot or support, with effects, or that does not say how well it knows
+    /// its parameters.
+    pub fn new(file: &ModelFile, model: &Model, source: &str) -> Result<Fitted, Error> {
+        let bad = |reason: &str| Error::prior(source, reason);
+        model.clone().with_file(file.clone())?;
+        if let Some(reason) = file.invalid_reason() {
+            return Err(bad(&reason));
+        }
+        // An offset belongs to the log, not to the robot.
+        if file.effects.iter().any(|own| own.effect != offset::OFFSET) {
+            return Err(bad(
+                "it has effects, so that it is not of a healthy robot; give the file that `fit` \
+                 wrote of one",
+            ));
+        }
+        let information = file.information.as_ref().ok_or_else(|| {
+            bad("it has no `information.factor`: how well its parameters are known; fit again")
+        })?;
+        Ok(Fitted {
+            source: source.to_string(),
+            centre: file.values().into(),
+            factor: inverse(&information.factor),
+            logs: file.data.iter().map(|log| log.hash.clone()).collect(),
+        })
     }
 }

@@ -1,6 +1,14 @@
 //! CAD as knowledge with stated uncertainty.
 //!
-//! Tolerances of CAD are those of [`Tolerances`]; a fleet's are those of its [`Population`].
+//! Tolerances of CAD are those of [`Tolerances`]; a fleet's are those of its [`Population`]. One robot
+//! as an earlier fit knows it takes the place of both:
+//!
+//! ```text
+//! r ~ N(r̂, C)      C = (RᵀR)⁻¹ = S Sᵀ, S = R⁻¹      R: `information.factor` of a model file
+//! ```
+//!
+//! Of a direction that neither data nor prior say anything about, R has a row of zeros; there r stays
+//! at r̂.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,8 +20,7 @@ use sesc_model::text::listed;
 use sesc_model::urdf::suggestion;
 use sesc_model::{Model, ModelFile};
 
-use super::fitted::Fitted;
-use super::population::{FORMAT, Population};
+use super::population::{FORMAT, Fitted, Population};
 use crate::logs::names::short;
 pub use crate::tolerances::{Tolerance, Tolerances};
 use crate::{Error, Setting, message};
@@ -27,7 +34,7 @@ pub enum Prior {
     /// CAD within tolerances.
     Cad(Tolerances),
     /// What a fleet of such robots is like.
-    Population(Box<Population>),
+    Population(Box<Fitted>),
     /// What an earlier fit knows of this robot.
     Fitted(Box<Fitted>),
 }
@@ -126,7 +133,7 @@ impl Prior {
         match self {
             Prior::Population(found) => format!(
                 "a fleet: mean and covariance of {} robots of this URDF",
-                found.robots
+                found.source
             ),
             Prior::Fitted(found) => format!("masses as they were fitted ({})", found.source),
             Prior::Free => "none: data alone, what they cannot see stays at CAD".to_string(),
@@ -168,8 +175,7 @@ impl Prior {
     pub(crate) fn centre(&self, model: &Model) -> DVector<f64> {
         match self {
             Prior::Free | Prior::Cad(_) => DVector::from_vec(model.cad_params()),
-            Prior::Population(found) => found.centre(),
-            Prior::Fitted(found) => found.centre.clone(),
+            Prior::Population(found) | Prior::Fitted(found) => found.centre.clone(),
         }
     }
 
@@ -223,8 +229,7 @@ impl Prior {
         match self {
             Prior::Free => None,
             Prior::Cad(tolerances) => Some(tolerances.factor(model)),
-            Prior::Population(found) => found.factor(),
-            Prior::Fitted(found) => Some(found.factor.clone()),
+            Prior::Population(found) | Prior::Fitted(found) => Some(found.factor.clone()),
         }
     }
 }

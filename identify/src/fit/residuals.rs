@@ -82,7 +82,7 @@ pub(super) fn sample(
             if block.is_empty() {
                 break;
             }
-            let (done, total) = reader.progress();
+            let (done, total) = reader.log.progress();
             tell(watch, "residuals", done, total)?;
             let Some(readings) = &block.reading else {
                 break;

@@ -11,17 +11,15 @@ use std::sync::Arc;
 use sesc_model::{Model, ModelFile, MotionCounted, Snapping};
 
 use super::corrected::{Corrected, check_positive, correct, masses_of};
-use super::estimate::identify;
+use super::estimate::{identify, over_range};
 use super::identification::{Identification, Settings};
-use super::limits::Limits;
 use super::logs::Logs;
-use super::masses::Masses;
+use super::masses::{Limits, Masses};
 use super::offset;
 use super::part::{FORMAT, Part, PartOptions};
 use super::prior::Prior;
 use super::request::{Duplicates, Request};
 use super::residuals::{self, Sample};
-use super::summary::over_range;
 use super::timing::Timing;
 use crate::logs::Stays;
 use crate::observations::motion_use::MotionModel;
@@ -384,55 +382,27 @@ fn of_logs<'r>(
 /// Whether what is asked for agrees with what was settled when parts were gathered.
 fn check_settled(request: &Request, whole: &Part) -> Result<(), Error> {
     let (own, folds) = (whole.options, whole.gathered.folds.len());
-    let (parts_alone, auto) = (request.logs.is_empty(), MotionModel::Auto);
-    let differs = |asked: bool, alike: bool| parts_alone && asked && !alike;
+    let parts_alone = request.logs.is_empty();
+    let other_motion = request.motion != MotionModel::Auto && request.motion != own.motion;
+    let other_stays = request.stays != Stays::default() && request.stays != own.stays;
     let otherwise = ", but the parts were gathered otherwise: leave it out";
-    let settled = [
-        (
-            request.robust.is_some(),
-            message![
-                Setting::Robust,
-                " needs the postures themselves: give all logs by ",
-                Setting::Data
-            ],
-        ),
-        (
-            request.angles.is_some() && parts_alone,
-            message![
-                Setting::Angles,
-                " is about logs, and factor files hold no angles: leave it out"
-            ],
-        ),
-        (
-            request.snapping == Snapping::Off && whole.snapped,
-            message![
-                Setting::Snapping,
-                ", but the parts were gathered with right angles made exact: leave it out"
-            ],
-        ),
-        (
-            differs(request.motion != auto, request.motion == own.motion),
-            message![Setting::Motion, otherwise],
-        ),
-        (
-            differs(
-                request.stays != Stays::default(),
-                request.stays == own.stays,
-            ),
-            message![Setting::Settle, otherwise],
-        ),
-        (
-            request.folds.is_some_and(|asked| asked != folds),
-            message![
-                Setting::Folds,
-                format!(
-                    " {}, but the parts were gathered in {folds}: leave it out",
-                    request.folds.unwrap_or_default()
-                )
-            ],
-        ),
-    ];
-    let Some((_, reason)) = settled.into_iter().find(|(differs, _)| *differs) else {
+    let reason = if request.robust.is_some() {
+        let needs = " needs the postures themselves: give all logs by ";
+        message![Setting::Robust, needs, Setting::Data]
+    } else if parts_alone && request.angles.is_some() {
+        let about = " is about logs, and factor files hold no angles: leave it out";
+        message![Setting::Angles, about]
+    } else if request.snapping == Snapping::Off && whole.snapped {
+        let but = ", but the parts were gathered with right angles made exact: leave it out";
+        message![Setting::Snapping, but]
+    } else if parts_alone && other_motion {
+        message![Setting::Motion, otherwise]
+    } else if parts_alone && other_stays {
+        message![Setting::Settle, otherwise]
+    } else if let Some(asked) = request.folds.filter(|asked| *asked != folds) {
+        let but = format!(" {asked}, but the parts were gathered in {folds}: leave it out");
+        message![Setting::Folds, but]
+    } else {
         return Ok(());
     };
     let remedy = ", or give it when the parts are gathered with ";

@@ -21,9 +21,9 @@ use crate::observations::motion::{Plan, Wanted};
 use crate::observations::motion_use::{Column, MotionModel, MotionUse};
 use crate::observations::noise::LEAST_STD;
 use crate::observations::postures::{HEAD, rms};
-use crate::observations::repeats::{Group, Repeats};
+use crate::observations::repeats::Repeats;
 use crate::observations::row_matrix::RowMatrix;
-use crate::observations::rows::{Measurement, Rows};
+use crate::observations::rows::{ByMotion, Measurement, Rows};
 
 /// Rows that the share of motion is taken from, at most.
 const OF_SHARE: usize = 4000;
@@ -55,20 +55,41 @@ pub struct Timing {
     pub motion: MotionUse,
 }
 
-impl Timing {
+impl Default for Timing {
     /// Nothing is known: readings are independent.
-    pub const NONE: Timing = Timing {
-        correlation: [Correlation::NONE; 2],
-        axes: [1.0; 2],
-        freed: [1.0; 2],
-        trust: 1.0,
-        timed: false,
-        blocks: None,
-        long: false,
-        first_visits: BTreeMap::new(),
-        plan: None,
-        motion: MotionUse::NONE,
-    };
+    fn default() -> Timing {
+        Timing {
+            correlation: [Correlation::NONE; 2],
+            axes: [1.0; 2],
+            freed: [1.0; 2],
+            trust: 1.0,
+            timed: false,
+            blocks: None,
+            long: false,
+            first_visits: BTreeMap::new(),
+            plan: None,
+            motion: MotionUse::default(),
+        }
+    }
+}
+
+impl Timing {
+    /// What deals a row to its fold: the block of time that it is in where those are held out,
+    /// else the `key` of its posture.
+    pub fn key(&self, key: i64, t: Option<f64>) -> i64 {
+        match self.blocks.zip(t) {
+            Some(((start, length), t)) => ((t - start) / length).floor() as i64,
+            None => *self.first_visits.get(&key).unwrap_or(&key),
+        }
+    }
+
+    /// The fold of such a key, of `folds`.
+    pub fn fold(&self, key: i64, folds: usize) -> usize {
+        match self.blocks {
+            Some(_) => key.rem_euclid(folds as i64) as usize,
+            None => drawn(key, folds),
+        }
+    }
 
     /// Read on until enough is known. `own_axes`: whether axes may differ where the log
     /// states no deviations; `masses`: F of how far these may be off, p × m, and how far they usually
@@ -97,23 +118,19 @@ impl Timing {
             MotionModel::Off => None,
         };
         let cad = DVector::from_vec(measurement.model().cad_params());
-        let timing = |head: Head| {
-            let own_axes = own_axes && first.std.is_none();
-            head.timing(folds, own_axes, !ended, (&cad, usual))
-        };
+        let own_axes = own_axes && first.std.is_none();
+        let timing = |head: Head| head.timing(folds, own_axes, !ended, (&cad, usual));
         let moving = Head::of(&first, measurement, plan.as_ref())?;
         // RMS of what motion adds to readings, m.
-        let seen = rms(moving.shift.iter().flatten().copied());
+        let seen = rms(moving.motion.iter().flat_map(|by| by.read));
         let column = moving.moves.then(|| moving.column(&cad));
         let found = timing(moving);
-        let rows = found.correlation.map(|axis| axis.rows_per_sample);
         let share = column.and_then(|(column, stride)| {
-            let per_sample = (rows[0].max(rows[1]) / stride).max(1.0);
-            column.share(masses, per_sample)
+            let per_sample = rows_per_sample(&found.correlation) / stride;
+            column.share(masses, per_sample.max(1.0))
         });
         // A head that stands says nothing of what comes.
-        let moves = share.is_some() || seen > 0.0;
-        let found = match moves && share.is_some_and(|share| share.is_missing()) {
+        let found = match share.is_some_and(|share| share.is_missing()) {
             true => timing(Head::of(&first, measurement, None)?),
             false => Timing { plan, ..found },
         };
@@ -124,7 +141,7 @@ impl Timing {
                 share,
                 rms_m: seen,
                 step_s: correlation::step(t),
-                ..MotionUse::NONE
+                ..MotionUse::default()
             },
             ..found
         })
@@ -134,20 +151,17 @@ impl Timing {
 /// The first rows.
 #[derive(Default)]
 struct Head {
-    rows: usize,
     t: Vec<f64>,
-    matrices: Vec<RowMatrix>,
-    readings: Vec<f64>,
+    /// Rows of each axis over their deviations, and readings.
+    axes: [(DMatrix<f64>, DVector<f64>); 2],
     /// Deviations, 1 where none are stated.
     std: Vec<[f64; 2]>,
-    postures: Grouping<Group>,
+    postures: Grouping,
     repeats: Repeats,
     /// Rows of each visit of a posture.
     stays: Vec<Range<usize>>,
-    /// What motion adds to readings, m; zero where joints stand.
-    shift: Vec<[f64; 2]>,
-    /// The same by smooth motion, m.
-    smooth: Vec<[f64; 2]>,
+    /// What motion adds to readings; zero where joints stand.
+    motion: Vec<ByMotion>,
     /// Whether joints move.
     moves: bool,
     /// See [`Timing`].
@@ -162,6 +176,7 @@ impl Head {
         plan: Option<&Plan>,
     ) -> Result<Head, Error> {
         let mut head = Head::default();
+        let (mut entries, mut readings) = (Vec::new(), Vec::<f64>::new());
         let dof = measurement.model().dof();
         let t = first.t.as_deref().unwrap_or_default();
         for start in (0..first.len()).step_by(BLOCK) {
@@ -173,8 +188,19 @@ impl Head {
                 motion.leave_out_unknown(&mut block);
             }
             let rows = measurement.moving_rows(&block, motion.as_ref())?;
-            head.push(&block, dof, rows);
+            head.push(&block, &rows);
+            entries.extend(rows.matrix.entries);
+            readings.extend(rows.reading.as_slice());
         }
+        let columns = measurement.model().base.params.len();
+        let all = RowMatrix { entries, columns };
+        let n = head.std.len();
+        head.axes = [0, 1].map(|axis| {
+            let over = |k: usize| 1.0 / head.std[k][axis];
+            let x = |k: usize, column: usize| all[(2 * k + axis, column)] * over(k);
+            let y = |k: usize, _| readings[2 * k + axis] / head.std[k][axis];
+            (DMatrix::from_fn(n, columns, x), DVector::from_fn(n, y))
+        });
         if plan.is_none() || head.postures.is_of_stays() {
             let joined = measurement.join_reached_again(&mut head.repeats, &head.postures)?;
             let pairs = joined.iter().flatten().enumerate();
@@ -189,27 +215,23 @@ impl Head {
     /// What motion adds to some of the rows, over their deviations, and of how many rows each
     /// is one; readings less those of `cad`.
     fn column(&self, cad: &DVector<f64>) -> (Column, f64) {
-        let stride = self.rows.div_ceil(OF_SHARE).max(1);
-        let axes = [self.axis(0), self.axis(1)];
-        let of = |row: usize| (row / 2 * stride, row % 2);
-        let n = 2 * self.rows.div_ceil(stride);
-        let rows = DMatrix::from_fn(n, cad.len(), |row, column| {
-            let (k, axis) = of(row);
-            axes[axis].0[(k, column)]
+        let stride = self.std.len().div_ceil(OF_SHARE).max(1);
+        let chosen = (0..self.std.len()).step_by(stride);
+        let chosen: Vec<_> = chosen.flat_map(|k| [(k, 0), (k, 1)]).collect();
+        let rows = DMatrix::from_fn(chosen.len(), cad.len(), |row, column| {
+            let (k, axis) = chosen[row];
+            self.axes[axis].0[(k, column)]
         });
-        let reading = DVector::from_fn(n, |row, _| {
-            let (k, axis) = of(row);
-            axes[axis].1[k]
-        });
-        let over_std = |all: &[[f64; 2]]| {
-            let over = (0..n)
-                .map(of)
-                .map(|(k, axis)| all[k][axis] / self.std[k][axis]);
-            over.collect::<Vec<f64>>()
+        let reading = chosen.iter().map(|(k, axis)| self.axes[*axis].1[*k]);
+        let reading = DVector::from_vec(reading.collect());
+        let over_std = |of: fn(&ByMotion) -> [f64; 2]| {
+            let over = chosen.iter();
+            over.map(|&(k, axis)| of(&self.motion[k])[axis] / self.std[k][axis])
+                .collect()
         };
         let column = Column {
-            shift: over_std(&self.shift),
-            smooth: over_std(&self.smooth),
+            shift: over_std(|by| by.read),
+            smooth: over_std(|by| by.smooth),
             residual: reading - &rows * cad,
             rows,
             masses: cad.len(),
@@ -217,39 +239,30 @@ impl Head {
         (column, stride as f64)
     }
 
-    fn push(&mut self, block: &Block, dof: usize, rows: Rows) {
-        let Rows {
-            matrix,
-            reading,
-            motion,
-        } = rows;
-        self.moves |= !motion.is_empty();
-        let by = |k: usize| motion.get(k).copied().unwrap_or_default();
-        self.shift.extend((0..block.len()).map(|k| by(k).read));
-        self.smooth.extend((0..block.len()).map(|k| by(k).smooth));
-        self.rows += block.len();
+    fn push(&mut self, block: &Block, rows: &Rows) {
+        self.moves |= !rows.motion.is_empty();
         self.t.extend(block.t.iter().flatten());
         for k in 0..block.len() {
-            let std = block.std.as_ref().map_or([1.0; 2], |all| all[k]);
-            let own = motion.get(k).filter(|_| block.std.is_some());
-            let own = own.map_or([0.0; 2], |shift| shift.std);
-            let std = [0, 1].map(|axis| std[axis].max(LEAST_STD).hypot(own[axis]));
-            self.std.push(std);
+            let by = rows.motion.get(k).copied().unwrap_or_default();
+            self.motion.push(by);
+            self.std.push(match &block.std {
+                Some(all) => [0, 1].map(|axis| all[k][axis].max(LEAST_STD).hypot(by.std[axis])),
+                None => [1.0; 2],
+            });
             let support = block.support.as_ref().map_or("", |all| &all[k]);
             let gravity = block.gravity.as_ref().map_or(DOWN, |all| all[k]);
-            let q = &block.q[k * dof..(k + 1) * dof];
-            let (posture, _) = self.postures.of_row((block.pose[k], support), q, gravity);
-            let at = [reading[2 * k], reading[2 * k + 1]];
-            let (visit, known) = (posture.visits, self.repeats.visits);
-            self.repeats.push(&mut posture.own, visit, at, [1.0; 2]);
+            let name = (block.pose[k], support);
+            let posture = self.postures.of_row(name, block.joints(k), gravity);
+            let at = [rows.reading[2 * k], rows.reading[2 * k + 1]];
+            let known = self.repeats.visits;
+            self.repeats
+                .push(&mut posture.group, posture.visits, at, [1.0; 2]);
             let row = self.std.len() - 1;
             match self.stays.last_mut() {
                 Some(stay) if self.repeats.visits == known => stay.end = row + 1,
                 _ => self.stays.push(row..row + 1),
             }
         }
-        self.readings.extend(reading.iter());
-        self.matrices.push(matrix);
     }
 
     /// Noise is what is left beside masses that are off by their usual tolerances.
@@ -260,123 +273,102 @@ impl Head {
         long: bool,
         (cad, usual): (&DVector<f64>, &DMatrix<f64>),
     ) -> Timing {
-        let is_timed = self.t.len() == self.rows;
-        let step = correlation::step(&self.t).filter(|_| is_timed);
-        let axes = [self.axis(0), self.axis(1)];
-        let of = |axis: usize| match step {
-            Some(_) if self.rows >= ROWS_OF_STAY * self.stays.len() => {
-                Correlation::of_stays(&self.t, &axes[axis].1, &axes[axis].0, &self.stays)
+        let rows = self.std.len();
+        let step = correlation::step(&self.t).filter(|_| self.t.len() == rows);
+        let correlation = [0, 1].map(|axis| {
+            let (x, y) = &self.axes[axis];
+            if step.is_none() {
+                return Correlation::NONE;
             }
-            Some(_) => {
-                let (x, y) = &axes[axis];
-                let held = x * usual;
-                let columns = DMatrix::from_fn(self.rows, 1 + held.ncols(), |k, c| match c {
-                    0 => 1.0 / self.std[k][axis],
-                    c => held[(k, c - 1)],
-                });
-                Correlation::with_held(&self.t, &(y - x * cad), &columns, held.ncols())
+            if rows >= ROWS_OF_STAY * self.stays.len() {
+                return Correlation::of_stays(&self.t, y, x, &self.stays);
             }
-            None => Correlation::NONE,
-        };
-        let correlation = [of(0), of(1)];
-        let longest = correlation[0].time_s.max(correlation[1].time_s);
-        let is_short = 0.5 * rows_per_sample(&correlation) > SHORT * self.rows as f64;
-        let blocks = step.filter(|_| self.repeats.postures == self.rows as u64);
-        let blocks = blocks.map(|step| {
-            let length = self.t[self.rows - 1] - self.t[0] + step;
-            // What lasts for most of a log leaves no blocks that are independent of each other.
-            let least = if is_short {
-                0.0
-            } else {
-                HELD_OUT_TIMES * longest
-            };
-            let held_out = (length / folds as f64).max(least);
-            (self.t[0], held_out)
+            let held = x * usual;
+            let ones = DVector::from_fn(rows, |k, _| 1.0 / self.std[k][axis]);
+            let count = held.ncols();
+            let mut columns = held.insert_column(0, 0.0);
+            columns.set_column(0, &ones);
+            Correlation::with_held(&self.t, &(y - x * cad), &columns, count)
         });
-        let own = match own_axes && self.rows > 0 {
-            true => self.apart(&axes, &correlation),
+        let per_sample = rows_per_sample(&correlation);
+        let is_short = 0.5 * per_sample > SHORT * rows as f64;
+        let blocks = step.filter(|_| self.repeats.postures == rows as u64);
+        let blocks = blocks.map(|step| {
+            let length = self.t[rows - 1] - self.t[0] + step;
+            let longest = correlation[0].time_s.max(correlation[1].time_s);
+            // What lasts for most of a log leaves no blocks that are independent of each other.
+            let least = match is_short {
+                true => 0.0,
+                false => HELD_OUT_TIMES * longest,
+            };
+            (self.t[0], (length / folds as f64).max(least))
+        });
+        let own = match own_axes && rows > 0 {
+            true => self.apart(&correlation),
             false => [1.0; 2],
         };
+        let process = |axis: Correlation| axis.process.filter(|_| !is_short);
         Timing {
             axes: own,
-            freed: self.freed_apart(&axes, &correlation).unwrap_or(own),
-            trust: match is_short {
-                true => 1.0 / rows_per_sample(&correlation),
-                false => 1.0,
-            },
-            correlation: match is_short {
-                true => correlation.map(|axis| Correlation {
-                    process: None,
-                    ..axis
-                }),
-                false => correlation,
-            },
+            freed: self.freed_apart(&correlation).unwrap_or(own),
+            trust: if is_short { 1.0 / per_sample } else { 1.0 },
+            correlation: correlation.map(|axis| Correlation {
+                process: process(axis),
+                ..axis
+            }),
             timed: step.is_some(),
             blocks,
             long,
             first_visits: self.first_visits,
-            ..Timing::NONE
+            ..Timing::default()
         }
     }
 
-    /// Rows of one axis over their deviations.
-    fn axis<'a>(&'a self, axis: usize) -> (DMatrix<f64>, DVector<f64>) {
-        let params = self.matrices.first().map_or(0, |rows| rows.columns);
-        let own = |matrix: &'a RowMatrix| (axis..matrix.rows()).step_by(2).map(|k| matrix.row(k));
-        let rows = self.matrices.iter().flat_map(own).zip(&self.std);
-        let entries = rows.flat_map(|(row, std)| {
-            let weight = 1.0 / std[axis];
-            row.iter().map(move |x| x * weight)
-        });
-        let x = DMatrix::from_row_iterator(self.rows, params, entries);
-        let y = |k: usize, _| self.readings[2 * k + axis] / self.std[k][axis];
-        (x, DVector::from_fn(self.rows, y))
-    }
-
     /// Noise of each axis in units of their RMS, where that is no chance.
-    fn apart(
-        &self,
-        axes: &[(DMatrix<f64>, DVector<f64>); 2],
-        correlation: &[Correlation; 2],
-    ) -> [f64; 2] {
+    fn apart(&self, correlation: &[Correlation; 2]) -> [f64; 2] {
         let pure = self.repeats.pure();
         // What a fit leaves is no noise where readings repeat: it is tested against them.
-        let squares = match pure.df > 0 {
-            true => [0, 1].map(|axis| (pure.sum[axis] / pure.df as f64, pure.df as f64)),
-            false => [0, 1].map(|axis| {
-                let (x, y) = &axes[axis];
-                let (square, df) = correlation::left(x, y);
+        let squares = [0, 1].map(|axis| match pure.df > 0 {
+            true => (pure.sum[axis] / pure.df as f64, pure.df as f64),
+            false => {
+                let (square, df) = self.left(axis);
                 (square, df / correlation[axis].rows_per_sample)
-            }),
-        };
+            }
+        });
         unalike(squares).unwrap_or([1.0; 2])
     }
 
     /// The same of rows freed of their correlation: an axis whose noise is taken to last longer is
     /// taken to be larger, too, and its innovations are known as well as there are windows. None
     /// where rows stay as they are, or axes are alike.
-    fn freed_apart(
-        &self,
-        axes: &[(DMatrix<f64>, DVector<f64>); 2],
-        correlation: &[Correlation; 2],
-    ) -> Option<[f64; 2]> {
+    fn freed_apart(&self, correlation: &[Correlation; 2]) -> Option<[f64; 2]> {
         correlation.iter().find(|axis| axis.process.is_some())?;
-        let square = |axis: usize| {
-            let (x, y) = &axes[axis];
-            match correlation[axis].process {
-                Some(process) => {
-                    let windows = match self.rows / process.cut.rows {
-                        0 => self.stays.len(),
-                        windows => windows,
-                    };
-                    let df = windows as f64 - x.ncols() as f64;
-                    (correlation[axis].variance, df)
-                }
-                None => correlation::left(x, y),
+        unalike([0, 1].map(|axis| match correlation[axis].process {
+            Some(process) => {
+                let windows = match self.std.len() / process.cut.rows {
+                    0 => self.stays.len(),
+                    windows => windows,
+                };
+                let df = windows as f64 - self.axes[axis].0.ncols() as f64;
+                (correlation[axis].variance, df)
             }
-        };
-        unalike([0, 1].map(square))
+            None => self.left(axis),
+        }))
     }
+
+    /// Mean square of what free masses leave of an axis, and its degrees of freedom.
+    fn left(&self, axis: usize) -> (f64, f64) {
+        let (x, y) = &self.axes[axis];
+        correlation::left(x, y)
+    }
+}
+
+/// A pseudo-random fold for a key, the same on every machine.
+fn drawn(key: i64, folds: usize) -> usize {
+    let mut x = (key as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((x ^ (x >> 31)) % folds as u64) as usize
 }
 
 /// Rows per independent one, of the axis that has fewer.

@@ -11,19 +11,17 @@ use super::log::{Log, each_once, row_of, without_path};
 use super::row::{Row, SCORES, is_spoiling};
 use super::{Only, Options};
 use crate::diagnose::diagnose;
+use crate::feet::Feet;
 use crate::fit::part::Part;
 use crate::fit::prior::{Prior, PriorChoice};
-use crate::fit::{fit, gather_as};
+use crate::fit::{MotionModel, fit, gather_as};
 use crate::logs::{LogSource, Options as Reading, PostureReader, Readings, Sidecar};
 use crate::robot::Robot;
 use crate::watch::Watch;
 use crate::{Error, ErrorKind, diagnose as diagnosis, fit as fitting};
 
 /// A log and the link on the ground in rows that do not say.
-struct Standing {
-    log: LogSource,
-    support: Option<String>,
-}
+type Standing = (LogSource, String);
 
 /// What the logs of one robot on one day come to. Logs are sorted by what they hold, and one
 /// that comes twice counts once. Those that cannot be read are named in the row's error, and of
@@ -59,10 +57,12 @@ pub fn row(
         });
         standing.extend(group.noted(found)?);
     }
-    if let Some(support) = standing.iter().find_map(|log| log.support.as_ref()) {
-        row.support.clone_from(support);
-        group.support.clone_from(support);
-        group.evaluate(standing, &mut row)?;
+    if let Some(support) = standing.iter().find_map(|(_, support)| support.clone()) {
+        row.support.clone_from(&support);
+        group.support.clone_from(&support);
+        let logs = standing.into_iter();
+        let logs = logs.map(|(log, own)| (log, own.unwrap_or_else(|| support.clone())));
+        group.evaluate(logs.collect(), &mut row)?;
     } else if !standing.is_empty() {
         let missing = robot.no_support_of_fleet(&odd);
         group.noted::<()>(Err(missing))?;
@@ -95,7 +95,11 @@ impl Evaluation<'_> {
     }
 
     /// A log and where it stands: as the options say, else its sidecar, else its first row.
-    fn standing(&self, log: LogSource, sidecar: Sidecar) -> Result<Standing, Error> {
+    fn standing(
+        &self,
+        log: LogSource,
+        sidecar: Sidecar,
+    ) -> Result<(LogSource, Option<String>), Error> {
         let mut support = self.options.support.clone().or(sidecar.support.clone());
         if support.is_none() {
             let about = &self.robot.description;
@@ -113,10 +117,7 @@ impl Evaluation<'_> {
             support: support.clone(),
             ..sidecar
         };
-        Ok(Standing {
-            log: log.with_sidecar(sidecar),
-            support,
-        })
+        Ok((log.with_sidecar(sidecar), support))
     }
 
     /// Fill a row from logs of which some say where they stand. Of several those whose data cannot
@@ -127,14 +128,11 @@ impl Evaluation<'_> {
             let (mut sound, mut spoilt) = (Vec::new(), Vec::new());
             for log in logs {
                 let part = self.gather(&log);
-                let Some(part) = self.noted(part)? else {
-                    continue;
-                };
-                findings.extend_from_slice(part.health());
-                if part.health().iter().any(is_spoiling) {
-                    spoilt.push((log, part));
-                } else {
-                    sound.push((log, part));
+                if let Some(part) = self.noted(part)? {
+                    findings.extend_from_slice(part.health());
+                    let is_spoilt = part.health().iter().any(is_spoiling);
+                    let of_its_kind = if is_spoilt { &mut spoilt } else { &mut sound };
+                    of_its_kind.push((log, part));
                 }
             }
             let taken = if sound.is_empty() { spoilt } else { sound };
@@ -146,9 +144,7 @@ impl Evaluation<'_> {
                 return Ok(());
             }
         }
-        if parts.is_empty()
-            && let [log] = &logs[..]
-        {
+        if let ([log], []) = (&logs[..], &parts[..]) {
             let part = self.gather(log);
             parts.extend(self.noted(part)?);
         }
@@ -164,11 +160,6 @@ impl Evaluation<'_> {
         PriorChoice::from(self.options.prior.as_deref().unwrap_or(usual))
     }
 
-    /// Where a log stands whose rows do not say.
-    fn support(&self, log: &Standing) -> Option<String> {
-        Some(log.support.as_ref().unwrap_or(&self.support).clone())
-    }
-
     /// What is asked of the fit of a group, its logs aside.
     fn request(&self) -> fitting::Request {
         fitting::Request {
@@ -178,17 +169,23 @@ impl Evaluation<'_> {
             noise: self.options.noise,
             // A shift of readings belongs to a log; parameters are compared from day to day.
             offset: Some(0.0),
-            motion: self.options.motion_model(),
-            feet: self.options.feet(),
+            motion: match self.options.motion {
+                true => MotionModel::Auto,
+                false => MotionModel::Off,
+            },
+            feet: Feet {
+                both: self.options.both_feet,
+                other: self.options.other_foot.clone(),
+            },
             ..fitting::Request::default()
         }
     }
 
     /// What a log contributes to the fit.
-    fn gather(&mut self, log: &Standing) -> Result<Part, Error> {
+    fn gather(&mut self, (log, support): &Standing) -> Result<Part, Error> {
         let request = fitting::Request {
-            logs: vec![log.log.clone()],
-            support: self.support(log),
+            logs: vec![log.clone()],
+            support: Some(support.clone()),
             angles: self.options.angles,
             ..self.request()
         };
@@ -198,7 +195,7 @@ impl Evaluation<'_> {
     /// Fit the parts of all logs.
     fn fit(&mut self, parts: Vec<(&Standing, Part)>, row: &mut Row) -> Result<(), Error> {
         let parts = parts.into_iter();
-        let parts = parts.map(|(log, part)| (log.log.name().to_string(), part));
+        let parts = parts.map(|((log, _), part)| (log.name().to_string(), part));
         let request = fitting::Request {
             parts: parts.collect(),
             support: Some(self.support.clone()),
@@ -227,19 +224,20 @@ impl Evaluation<'_> {
 
     /// Diagnose the logs, each a block of one problem; gives whether they are fit for a fit.
     fn diagnose(&mut self, logs: &[Standing], row: &mut Row) -> Result<bool, Error> {
-        let Some((first, others)) = logs.split_first() else {
+        let Some(((first, support), others)) = logs.split_first() else {
             return Ok(false);
         };
-        let mut request = diagnosis::Request::new(Arc::clone(self.robot), first.log.clone());
-        request.then = others.iter().map(|log| log.log.clone()).collect();
-        request.support = self.support(first);
-        request.snapping = self.options.snapping();
+        let of_fit = self.request();
+        let mut request = diagnosis::Request::new(Arc::clone(self.robot), first.clone());
+        request.then = others.iter().map(|(log, _)| log.clone()).collect();
+        request.support = Some(support.clone());
+        request.snapping = of_fit.snapping;
         request.angles = self.options.angles;
         request.prior = self.prior(Prior::OF_DIAGNOSES);
         request.noise = self.options.noise;
         request.floor = self.options.floor;
-        request.motion = self.options.motion_model();
-        request.feet = self.options.feet();
+        request.motion = of_fit.motion;
+        request.feet = of_fit.feet;
         request.scores = SCORES;
         let found = diagnose(&request, self.watch)?;
         row.diagnosed(&found);

@@ -83,28 +83,25 @@ impl Group {
         let mut parts: Vec<&str> = stem.rsplitn(missing, '_').collect();
         let mut keys = Vec::new();
         for (key, value) in by.iter().zip(values) {
-            let text = value.unwrap_or_else(|| parts.pop().unwrap_or_default().to_string());
-            let no_date = || {
-                Error::request(format!(
-                    "`{key}` is the ISO week of a day, and the day of {} is `{}`; give dates such \
-                     as 2031-05-01",
-                    visible(&path.display().to_string()),
-                    visible(&text)
-                ))
-            };
-            keys.push(if is_of_day(key) {
-                iso_week(&text).ok_or_else(no_date)?
-            } else {
-                text
-            });
+            let mut text = value.unwrap_or_else(|| parts.pop().unwrap_or_default().to_string());
+            if is_of_day(key) {
+                text = iso_week(&text).ok_or_else(|| {
+                    Error::request(format!(
+                        "`{key}` is the ISO week of a day, and the day of {} is `{}`; give dates \
+                         such as 2031-05-01",
+                        visible(&path.display().to_string()),
+                        visible(&text)
+                    ))
+                })?;
+            }
+            keys.push(text);
         }
         let day = (keys.len() > 1).then(|| keys.pop()).flatten();
+        let urdf = told("urdf").map(PathBuf::from);
         Ok(Group {
             robot: keys.join("/"),
             day: day.unwrap_or_default(),
-            urdf: told("urdf")
-                .map(PathBuf::from)
-                .or_else(|| urdf_beside(&path)),
+            urdf: urdf.or_else(|| urdf_beside(&path)),
             support: told("support"),
             logs: vec![path],
         })
@@ -142,10 +139,8 @@ fn urdf_beside(path: &Path) -> Option<PathBuf> {
     };
     let beside = path.parent()?;
     let above = beside.ancestors().take_while(is_key).skip(1);
-    let mut urdfs = [beside]
-        .into_iter()
-        .chain(above)
-        .map(|folder| folder.join("robot.urdf"));
+    let folders = std::iter::once(beside).chain(above);
+    let mut urdfs = folders.map(|folder| folder.join("robot.urdf"));
     urdfs.find(|urdf| urdf.is_file())
 }
 
@@ -298,15 +293,16 @@ fn expanded(item: &str) -> Result<Vec<PathBuf>, Error> {
         return Ok(vec![path.to_path_buf()]);
     }
     let wrong = |what: &str| Error::request(format!("{item}: {what}"));
-    let parts = path
-        .components()
-        .filter_map(|part| part.as_os_str().to_str());
-    let (folder, below): (PathBuf, Vec<&str>) = if is_folder {
-        (path.to_path_buf(), vec!["**", "*"])
-    } else {
-        let plain = parts.clone().take_while(is_plain);
-        (plain.collect(), parts.skip_while(is_plain).collect())
-    };
+    let parts = path.iter().filter_map(OsStr::to_str);
+    let mut folder = path.to_path_buf();
+    let mut below = vec!["**", "*"];
+    let mut nothing = format!("no log in this folder; logs end in {}", ENDINGS.join(", "));
+    if !is_folder {
+        folder = parts.clone().take_while(is_plain).collect();
+        below = parts.skip_while(is_plain).collect();
+        nothing = "no file has such a name; quote the pattern, so that the shell leaves it alone"
+            .to_string();
+    }
     let below: Result<Vec<Pattern>, _> = below.into_iter().map(Pattern::new).collect();
     let below = below.map_err(|error| wrong(&error.to_string()))?;
     let mut found = Vec::new();
@@ -314,18 +310,10 @@ fn expanded(item: &str) -> Result<Vec<PathBuf>, Error> {
     found.retain(|path| {
         let name = path.to_string_lossy();
         let ends = |ends: &[&str]| ends.iter().any(|end| name.ends_with(end));
-        if is_folder {
-            ends(&ENDINGS)
-        } else {
-            !ends(&ASIDE)
-        }
+        (is_folder && ends(&ENDINGS)) || (!is_folder && !ends(&ASIDE))
     });
     if found.is_empty() {
-        return Err(wrong(&if is_folder {
-            format!("no log in this folder; logs end in {}", ENDINGS.join(", "))
-        } else {
-            "no file has such a name; quote the pattern, so that the shell leaves it alone".into()
-        }));
+        return Err(wrong(&nothing));
     }
     Ok(found)
 }
@@ -333,12 +321,8 @@ fn expanded(item: &str) -> Result<Vec<PathBuf>, Error> {
 /// Files below a folder, if it is one, that the rest of a pattern means. `**` is any number of
 /// folders, of which links are none, for a walk of links might have no end.
 fn walk(folder: &Path, rest: &[Pattern], found: &mut Vec<PathBuf>) -> io::Result<()> {
-    let here = Path::new(".");
-    let opened = if folder == Path::new("") {
-        here
-    } else {
-        folder
-    };
+    // An empty path is the folder that the program runs in.
+    let opened = Path::new(".").join(folder);
     let Some((first, after)) = rest.split_first().filter(|_| opened.is_dir()) else {
         return Ok(());
     };
@@ -349,8 +333,7 @@ fn walk(folder: &Path, rest: &[Pattern], found: &mut Vec<PathBuf>) -> io::Result
     for entry in fs::read_dir(opened)? {
         let entry = entry?;
         let path = folder.join(entry.file_name());
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
+        let name = entry.file_name().to_string_lossy().into_owned();
         let is_hidden = name.starts_with('.') && !first.as_str().starts_with('.');
         if is_hidden || !is_deep && !first.matches(&name) {
             continue;

@@ -112,10 +112,8 @@ pub(super) fn read_urdf(path: &Path) -> Result<Robot, Error> {
 pub(super) fn each_once(logs: &[Log]) -> Vec<Log> {
     let mut logs = logs.to_vec();
     logs.sort_by(|a, b| {
-        let sidecar = |log: &Log| (log.sidecar.is_empty(), log.sidecar.clone());
-        a.hash
-            .cmp(&b.hash)
-            .then_with(|| sidecar(a).cmp(&sidecar(b)))
+        let [one, other] = [a, b].map(|log| (log.sidecar.is_empty(), &log.sidecar));
+        a.hash.cmp(&b.hash).then(one.cmp(&other))
     });
     logs.dedup_by(|a, b| a.hash == b.hash);
     logs

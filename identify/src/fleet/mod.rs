@@ -29,8 +29,6 @@ use serde::{Deserialize, Serialize};
 use sesc_model::Snapping;
 
 use crate::diagnose::FLOOR_M;
-use crate::feet::Feet;
-use crate::fit::MotionModel;
 use crate::logs::Angles;
 
 pub use evaluate::row;
@@ -123,21 +121,6 @@ impl Options {
             Snapping::default()
         } else {
             Snapping::Off
-        }
-    }
-
-    pub(super) fn motion_model(&self) -> MotionModel {
-        if self.motion {
-            MotionModel::Auto
-        } else {
-            MotionModel::Off
-        }
-    }
-
-    pub(super) fn feet(&self) -> Feet {
-        Feet {
-            both: self.both_feet,
-            other: self.other_foot.clone(),
         }
     }
 

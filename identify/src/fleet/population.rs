@@ -29,11 +29,8 @@ use crate::fit::prior::{Prior, PriorChoice};
 use crate::robot::Robot;
 use crate::svd::svd;
 
-/// What the data of one robot say, prior taken off.
-struct Said {
-    information: DMatrix<f64>,
-    vector: DVector<f64>,
-}
+/// What the data of one robot say, prior taken off: J and h.
+type Said = (DMatrix<f64>, DVector<f64>);
 
 /// Whether these groups are of enough robots for [`population`], before they are worked on.
 ///
@@ -88,11 +85,12 @@ pub fn population(
         Error::request("a population begins with tolerances of CAD, and these fits had no prior")
     })?;
     let centre = prior.centre(&model);
-    let inverse = pseudo_inverse(&spread);
+    // S⁺ of a factor with independent columns.
+    let inverse = svd(spread.clone(), true, true).pseudo_inverse(0.0);
+    let inverse = inverse.map_err(Error::request)?;
     let days = robots.values();
-    let said: Vec<Said> = days
-        .filter_map(|days| said(days, &centre, &inverse))
-        .collect();
+    let said = days.filter_map(|days| said(days, &centre, &inverse));
+    let said: Vec<Said> = said.collect();
     if said.len() < ROBOTS {
         return Err(few(said.len()));
     }
@@ -100,16 +98,14 @@ pub fn population(
         .ok_or_else(|| Error::request("what robots differ by has no covariance"))?;
     let mean = &centre + &spread * mean;
     let covariance = &spread * covariance * spread.transpose();
+    let row = |k: usize| covariance.row(k).iter().copied().collect();
     Ok(Population {
         urdf_hash: hash.clone(),
         support: support.to_string(),
         robots: said.len(),
         names: model.base.params.iter().map(|p| p.name.clone()).collect(),
         mean: mean.as_slice().to_vec(),
-        covariance: covariance
-            .row_iter()
-            .map(|row| row.iter().copied().collect())
-            .collect(),
+        covariance: (0..covariance.nrows()).map(row).collect(),
     })
 }
 
@@ -135,16 +131,6 @@ fn with_each_log_once(mut rows: Vec<&Row>) -> Vec<&Row> {
     rows
 }
 
-/// S⁺ of a factor with independent columns.
-fn pseudo_inverse(factor: &DMatrix<f64>) -> DMatrix<f64> {
-    let found = svd(factor.clone(), true, true);
-    let (Some(u), Some(v_t)) = (found.u, found.v_t) else {
-        return DMatrix::zeros(factor.ncols(), factor.nrows());
-    };
-    let scaled = DMatrix::from_diagonal(&found.singular_values.map(|value| 1.0 / value));
-    v_t.transpose() * scaled * u.transpose()
-}
-
 /// J = Σ_days (C_u⁻¹ − 1) and h = Σ_days C_u⁻¹ u of the rows of one robot.
 fn said(days: &[&Row], centre: &DVector<f64>, inverse: &DMatrix<f64>) -> Option<Said> {
     let of_day = |row: &&Row| {
@@ -153,15 +139,11 @@ fn said(days: &[&Row], centre: &DVector<f64>, inverse: &DMatrix<f64>) -> Option<
         let precision = own.cholesky()?.inverse();
         let u = inverse * (DVector::from_column_slice(&row.params) - centre);
         let (m, _) = precision.shape();
-        Some(Said {
-            vector: &precision * u,
-            information: precision - DMatrix::identity(m, m),
-        })
+        let vector = &precision * u;
+        Some((precision - DMatrix::identity(m, m), vector))
     };
-    days.iter().filter_map(of_day).reduce(|sum, day| Said {
-        information: sum.information + day.information,
-        vector: sum.vector + day.vector,
-    })
+    let days = days.iter().filter_map(of_day);
+    days.reduce(|sum, day| (sum.0 + day.0, sum.1 + day.1))
 }
 
 /// μ and Σ of the next robot.
@@ -175,9 +157,9 @@ fn spread_of(robots: &[Said], m: usize) -> Option<(DVector<f64>, DMatrix<f64>)> 
         let known = &before * &mean;
         let mut told = Vec::with_capacity(robots.len());
         let mut within = DMatrix::zeros(m, m);
-        for robot in robots {
-            let own = (&before + &robot.information).cholesky()?.inverse();
-            told.push(&own * (&known + &robot.vector));
+        for (information, vector) in robots {
+            let own = (&before + information).cholesky()?.inverse();
+            told.push(&own * (&known + vector));
             within += own;
         }
         mean = told.iter().fold(DVector::zeros(m), |sum, one| sum + one) / count;

@@ -12,7 +12,7 @@ use std::io;
 use std::path::Path;
 
 use nalgebra::DMatrix;
-use serde::de::{Error as _, IntoDeserializer as _};
+use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 use sesc_model::effects::Fitted;
@@ -280,9 +280,9 @@ impl Row {
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         (self.postures, self.independent) = (postures, rows as u64);
         [self.noise_floor, self.held_out_rmse] = errors.map(finite);
-        self.health = health.to_vec();
         // Pictures belong to a diagnosis' own page and are not kept.
-        self.health.iter_mut().for_each(|f| f.picture = None);
+        let plain = |f: &Finding| Finding::new(f.kind, &f.target, f.sentence.clone());
+        self.health = health.iter().map(plain).collect();
     }
 
     /// Take over findings of single logs that are not told yet.
@@ -300,13 +300,8 @@ impl Row {
 
     /// Take over what a fit says of the data, where there is no diagnosis.
     pub(super) fn fitted(&mut self, found: &Identification) {
-        let errors = [found.noise_floor, found.held_out_rmse];
-        self.set_data(
-            found.postures,
-            found.samples.independent,
-            errors,
-            &found.health,
-        );
+        let (postures, errors) = (found.postures, [found.noise_floor, found.held_out_rmse]);
+        self.set_data(postures, found.samples.independent, errors, &found.health);
         self.sentence = FITTED.to_string();
         if !found.is_usable() || self.stuck_encoder().is_some() {
             self.verdict = Some(Verdict::Unusable);
@@ -327,11 +322,11 @@ impl Row {
         }
         self.verdict = Some(found.verdict);
         self.sentence.clone_from(&found.sentence);
-        let step =
-            |s: &Step| EffectFound::of((s.effect, &s.target), &s.parameters, &s.fitted, s.evidence);
+        let of = EffectFound::of;
+        let step = |s: &Step| of((s.effect, &s.target), &s.parameters, &s.fitted, s.evidence);
         let score = |s: &Score| {
-            EffectFound::of((s.effect, &s.target), &s.parameters, &s.fitted, s.evidence)
-                .known_by(s.chi2)
+            let found = of((s.effect, &s.target), &s.parameters, &s.fitted, s.evidence);
+            found.known_by(s.chi2)
         };
         // What a log says nothing of has no size.
         let is_known = |found: &EffectFound| {
@@ -364,12 +359,9 @@ fn verdict_of_name<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<Verdict>, D::Error> {
     let name = String::deserialize(deserializer)?;
-    if name.is_empty() {
-        return Ok(None);
-    }
-    let unknown = || D::Error::custom(format!("`{name}` is no verdict"));
-    let verdict = Verdict::deserialize(name.as_str().into_deserializer());
-    verdict.map(Some).map_err(|_: D::Error| unknown())
+    let verdict = (!name.is_empty()).then(|| serde_json::from_value(Value::from(&*name)));
+    let unknown = |_| D::Error::custom(format!("`{name}` is no verdict"));
+    verdict.transpose().map_err(unknown)
 }
 
 /// The columns, in their order.
@@ -413,18 +405,15 @@ pub(super) fn assembled(mut rows: Vec<Row>) -> Vec<Row> {
         let model = (&a.urdf_hash, &a.support).cmp(&(&b.urdf_hash, &b.support));
         a.order(b).then(model)
     });
-    let mut urdfs: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for row in rows.iter().filter(|row| !row.urdf_hash.is_empty()) {
-        let hashes = urdfs.entry(row.robot.clone()).or_default();
-        hashes.insert(row.urdf_hash.clone());
-    }
-    for row in &mut rows {
-        let count = urdfs.get(&row.robot).map_or(0, BTreeSet::len);
-        if count > 1 {
+    for days in rows.chunk_by_mut(|a, b| a.robot == b.robot) {
+        let hashes = days.iter().map(|row| row.urdf_hash.clone());
+        let urdfs: BTreeSet<String> = hashes.filter(|hash| !hash.is_empty()).collect();
+        for row in days.iter_mut().filter(|_| urdfs.len() > 1) {
             let space = if row.sentence.is_empty() { "" } else { " " };
             row.sentence += &format!(
-                "{space}This robot has {count} URDFs among its days; this row is of URDF {}, and \
-                 rows of different URDFs are not compared.",
+                "{space}This robot has {} URDFs among its days; this row is of URDF {}, and rows \
+                 of different URDFs are not compared.",
+                urdfs.len(),
                 row.urdf_hash
             );
         }

@@ -29,10 +29,9 @@ use super::criteria::{
 };
 use super::hypotheses::{by_sensor, left_by_masses, limit, no_wiring_leaves};
 use super::rows::{LeftOut, LogRows};
-use super::view::{On, View, evenly, scatter};
+use super::view::{On, View, column, evenly, scatter, span};
 use super::{Finding, Kind, Picture};
 use crate::evaluate::Evaluator;
-use crate::observations::postures::range;
 
 /// Units in which people read joints, and how many of them are a rad or m.
 const UNITS: ((&str, f64), (&str, f64)) = (("°", 180.0 / std::f64::consts::PI), ("mm", 1e3));
@@ -57,27 +56,24 @@ pub(super) fn of_joint<T>(dof: &Dof, (revolute, prismatic): (T, T)) -> T {
 /// views, which is nearest to CAD, or in the other, which must explain what the first one leaves.
 pub(super) fn stuck(views: &[&View]) -> Option<(Finding, Stuck)> {
     let gap = views[0].chi2(&views[0].cad);
-    views.iter().find_map(|view| stuck_in(view, gap))
+    // In logs that fit it is not looked for, which costs time.
+    let enough = |view: &&&View| gap >= BY_CHANCE && view.len() >= 3;
+    views
+        .iter()
+        .filter(enough)
+        .find_map(|view| stuck_in(view, gap))
 }
 
 fn stuck_in(view: &View, gap: f64) -> Option<(Finding, Stuck)> {
-    let (n, model) = (view.len(), view.on.model);
-    // In logs that fit it is not looked for, which costs time.
-    if gap < BY_CHANCE || n < 3 {
-        return None;
-    }
-    let still = |joint: &usize| {
-        let (low, high) = range(view.joint(*joint).into_iter());
-        high - low < STILL
-    };
+    let model = view.on.model;
     let by_joints = by_joints(model);
-    let joints = (0..model.dof()).filter(still);
+    let joints = (0..model.dof()).filter(|&joint| span(view.joint(joint).into_iter()) < STILL);
     let moved = joints.map(|joint| (joint, explaining(view, &by_joints, joint, None)));
     let believable = moved.filter(|(joint, (far, _))| is_believable(view, *joint, far));
     let (joint, (far, left)) = believable.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
     // One unknown a posture leaves one of two readings to the noise, which is no larger.
     let mut noise = 1.0;
-    if !view.noise_is_known {
+    if view.data.std.iter().any(|std| std.is_nan()) {
         noise = left.clamp(UNKNOWN_NOISE.0, UNKNOWN_NOISE.1);
     }
     let few = view.few();
@@ -92,40 +88,33 @@ fn stuck_in(view: &View, gap: f64) -> Option<(Finding, Stuck)> {
 /// The finding where motion of a joint that is `far` from where its encoder says explains the
 /// readings.
 fn found(view: &View, joint: usize, far: &[f64], left: f64) -> (Finding, Stuck) {
-    let (n, dof, dof_of) = (
-        view.len(),
-        view.on.model.dof(),
-        &view.on.model.tree.dofs[joint],
-    );
-    let mut q = view.q.clone();
-    let own = q.iter_mut().skip(joint).step_by(dof);
-    let positions = own.zip(far).map(|(q, far)| {
-        *q += far;
-        *q
-    });
-    let positions: Vec<f64> = positions.collect();
-    let slopes = Evaluator::new(view.on.model, Function::ComJacobian).run(&q, n);
+    let (n, model) = (view.len(), view.on.model);
+    let (dof, own) = (model.dof(), &model.tree.dofs[joint]);
+    let mut q = view.data.q.clone();
+    for (k, far) in far.iter().enumerate() {
+        q[k * dof + joint] += far;
+    }
+    let positions = column(&q, dof, joint);
+    let slopes = Evaluator::new(model, Function::ComJacobian).run(&q, n);
     let slope = |row: usize| slopes[(3 * (row / 2) + row % 2) * dof + joint];
-    let anywhere = of_joint(dof_of, ANYWHERE);
-    let name = &dof_of.joint;
+    let anywhere = of_joint(own, ANYWHERE);
+    let name = &own.joint;
     let sentence = format!(
         "The encoder of {name} does not move and the CoP does as if the joint did ({:.0} % of the \
          gap): check its cable; readings count only for what its joint cannot move.",
         100.0 * (1.0 - 0.5 * left / view.chi2(&view.cad))
     );
-    let (unit, per_unit) = of_joint(dof_of, UNITS);
+    let (unit, per_unit) = of_joint(own, UNITS);
     let title = format!("{name} as the CoP has it, {unit}");
     let value = |k: usize| vec![(per_unit * positions[k], true)];
     let picture = Picture::new(&title, n, |k| view.row(k), value);
+    let finding = Finding::new(Kind::EncoderStuck, name, sentence).showing(picture);
     let stuck = Stuck {
         joint,
         less_known: (0..2 * n).map(|row| anywhere * slope(row).abs()).collect(),
         positions,
     };
-    (
-        Finding::new(Kind::EncoderStuck, name, sentence).showing(picture),
-        stuck,
-    )
+    (finding, stuck)
 }
 
 /// Whether no offset and no scale of any joint explains the readings.
@@ -133,9 +122,8 @@ fn no_number_leaves(view: &View, limit: f64) -> bool {
     let by_joints = by_joints(view.on.model);
     let offset = vec![1.0; view.len()];
     (0..view.on.model.dof()).all(|joint| {
-        [&offset, &view.joint(joint)]
-            .into_iter()
-            .all(|by| explaining(view, &by_joints, joint, Some(by)).1 > 2.0 * limit)
+        let leaves = |by: &Vec<f64>| explaining(view, &by_joints, joint, Some(by)).1;
+        leaves(&offset) > 2.0 * limit && leaves(&view.joint(joint)) > 2.0 * limit
     })
 }
 
@@ -165,7 +153,7 @@ fn explaining(
     by: Option<&Vec<f64>>,
 ) -> (Vec<f64>, f64) {
     let (n, dof) = (view.len(), view.on.model.dof());
-    let mut q = view.q.clone();
+    let mut q = view.data.q.clone();
     let mut far = vec![0.0; n];
     let gap = |cop: &[f64], row: usize| {
         let (k, axis) = (row / 2, row % 2);
@@ -193,7 +181,7 @@ fn explaining(
         });
         for (k, far) in far.iter_mut().enumerate() {
             *far += shared.map_or_else(|| length(steps[k]), |(by, length)| by[k] * length);
-            q[k * dof + joint] = view.q[k * dof + joint] + *far;
+            q[k * dof + joint] = view.data.q[k * dof + joint] + *far;
         }
     }
     let cop = cop_of.run(&q, n);
@@ -206,8 +194,8 @@ pub(super) fn parked(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<F
     let kept = rows.kept(left_out);
     let least = PARKED_ROWS.max((SOME_ROWS * kept.len() as f64).ceil() as usize);
     let moves = |joint: usize, among: &[usize]| {
-        let (low, high) = range(among.iter().map(|k| rows.q(*k)[joint]));
-        high - low > of_joint(&on.model.tree.dofs[joint], LEAST_MOTION)
+        let least = of_joint(&on.model.tree.dofs[joint], LEAST_MOTION);
+        span(among.iter().map(|k| rows.q(*k)[joint])) > least
     };
     for (joint, dof) in on.model.tree.dofs.iter().enumerate() {
         let run = longest(rows, &kept, joint);

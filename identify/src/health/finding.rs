@@ -86,7 +86,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    pub(super) fn new(kind: Kind, target: &str, sentence: String) -> Finding {
+    pub(crate) fn new(kind: Kind, target: &str, sentence: String) -> Finding {
         Finding {
             kind,
             target: target.to_string(),

@@ -48,6 +48,7 @@ use super::{Finding, Kind};
 use crate::evaluate::Evaluator;
 use crate::observations::criteria::noise::SHOWS;
 use crate::observations::criteria::repeats::UNLIKELY;
+use crate::observations::noise::NoiseSource;
 use crate::observations::postures::rms;
 use crate::observations::rows::CopRows;
 use crate::tolerances::Tolerances;
@@ -116,7 +117,7 @@ fn other_feet<'v>(view: &'v View) -> impl Iterator<Item = Fault> + 'v {
     let leaves = leaves.filter(move |link| link != support).take(64);
     leaves.filter_map(move |link| {
         let model = on.robot.model(&link, on.snapping, None).ok()?;
-        let cop = Evaluator::new(&model, Function::Cop).run(&view.q, view.len());
+        let cop = Evaluator::new(&model, Function::Cop).run(&view.data.q, view.len());
         Some(Fault {
             kind: Kind::OtherFoot,
             off: format!("on `{support}`"),
@@ -138,9 +139,8 @@ fn other_axes_up<'v>(view: &'v View) -> impl Iterator<Item = Fault> + 'v {
     };
     let axes = [(0, 2, 1), (1, 2, 0), (2, 0, 1), (2, 1, 0)];
     let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
-    let all = axes
-        .into_iter()
-        .flat_map(move |axes| signs.map(|signs| (axes, signs)));
+    let all = axes.into_iter();
+    let all = all.flat_map(move |axes| signs.map(|signs| (axes, signs)));
     all.map(move |((x, y, up), (sign_x, sign_y))| {
         // Right-handed: e_x × e_y is e_up or its opposite.
         let cyclic = (x + 1) % 3 == y;
@@ -284,7 +284,8 @@ pub(super) fn by_sensor<'v>(view: &'v View<'v>) -> impl Fn(usize, &Cop) -> f64 +
 /// variance of the noise in the same units.
 pub(super) fn left_by_masses(view: &View, reading: &Cop, noise: f64) -> Option<f64> {
     let model = view.on.model;
-    let rows = CopRows::new(model).fastest().of(&view.q, view.len(), None);
+    let rows = CopRows::new(model).fastest();
+    let rows = rows.of(&view.data.q, view.len(), None);
     let free = rows * Tolerances::usual().factor(model);
     let count = free.ncols();
     let mut all = free.insert_column(count, 0.0);
@@ -322,25 +323,25 @@ fn relates(view: &View, k: usize) -> bool {
 /// Axes of the sensor that do not move where CAD moves them, whatever the wiring.
 pub(super) fn dead_axes(view: &View) -> Option<Finding> {
     let few = view.few();
-    let dead: Vec<usize> = (0..2).filter(|&k| is_dead(view, &few, k)).collect();
-    let millimetres = |k: usize| 1e3 * scatter(&view.cad[k]);
-    let (kind, axis, moves, remedy) = match dead[..] {
-        [] => return None,
-        [k] => {
-            let remedy = "check the sensor's wiring and the column";
-            (Kind::CopAxisDead, k, millimetres(k), remedy)
-        }
-        _ => {
+    let [x, y] = [0, 1].map(|k| is_dead(view, &few, k).then(|| 1e3 * scatter(&view.cad[k])));
+    let of_axis = "check the sensor's wiring and the column";
+    let (kind, target, what, axis, moves, remedy) = match (x, y) {
+        (None, None) => return None,
+        (Some(x), None) => (Kind::CopAxisDead, "x", "cop_x", 0, x, of_axis),
+        (None, Some(y)) => (Kind::CopAxisDead, "y", "cop_y", 1, y, of_axis),
+        (Some(x), Some(y)) => {
             let remedy = "check that the sensor is on and that its topic is the right one";
-            let both = rms([0, 1].into_iter().map(millimetres));
+            let both = rms([x, y].into_iter());
             // The axis that should move more shows it best.
-            let axis = usize::from(millimetres(1) > millimetres(0));
-            (Kind::CopConstant, axis, both, remedy)
+            (
+                Kind::CopConstant,
+                "-",
+                "The CoP",
+                usize::from(y > x),
+                both,
+                remedy,
+            )
         }
-    };
-    let (target, what) = match kind {
-        Kind::CopConstant => ("-", "The CoP"),
-        _ => (["x", "y"][axis], ["cop_x", "cop_y"][axis]),
     };
     let sentence = format!(
         "{what} does not move with the robot, where CAD moves it by {moves:.1} mm RMS: {remedy}."
@@ -373,12 +374,15 @@ fn is_dead(view: &View, few: &View, k: usize) -> bool {
 
 /// Readings that scatter as CAD says and go with no posture, whatever the wiring.
 pub(super) fn shuffled(view: &View) -> Option<Finding> {
+    // Where postures were repeated, shuffled rows scatter within a posture, and their means hardly.
+    let repeats = match view.data.noise_source {
+        NoiseSource::Repeats => view.data.rows_per_posture,
+        _ => 0.0,
+    };
     let as_cad = |k: usize| {
         let (read, cad) = (&view.reading[k], &view.cad[k]);
         let noise = rms(view.std[k].iter().copied());
-        // Where postures were repeated, shuffled rows scatter within a posture, and their means
-        // hardly.
-        let ratio = scatter(read).hypot(view.repeats * noise) / scatter(cad);
+        let ratio = scatter(read).hypot(repeats.sqrt() * noise) / scatter(cad);
         let near = (mean(read) - mean(cad)).abs() < scatter(cad);
         (ALIKE.0..ALIKE.1).contains(&ratio) && near && scatter(cad) > SHOWS * noise
     };

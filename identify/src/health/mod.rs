@@ -124,14 +124,10 @@ pub fn of_log(
 
 /// Examine the postures of a log of `model`.
 pub fn examine(robot: &Robot, model: &Model, snapping: Snapping, data: &Postures) -> Health {
-    let on = On {
-        robot,
-        model,
-        snapping,
-    };
-    let mut views = vec![View::new(on, data)];
+    let on = On::new((robot, model), snapping);
+    let mut views = vec![View::new(on, data.clone())];
     if data.moved.is_some() {
-        views.push(View::new(on, &data.standing()));
+        views.push(View::new(on, data.standing()));
     }
     // A sensor whose axes are turned is an effect, which a diagnosis names.
     examine_views(&views, false)
@@ -172,15 +168,11 @@ fn examine_views(views: &[View], axes: bool) -> Health {
 /// What is wrong with the log; when `watch` stops it.
 pub(crate) fn look(
     mut samples: Samples,
-    (robot, model): (&Robot, &Model),
+    on: (&Robot, &Model),
     (snapping, noise, alone): (Snapping, Option<f64>, bool),
     watch: &mut dyn Watch,
 ) -> Result<(Samples, Vec<Finding>), Error> {
-    let on = On {
-        robot,
-        model,
-        snapping,
-    };
+    let on = On::new(on, snapping);
     let (rows, left_out, findings) = judge(&mut samples, on, noise, watch)?;
     // At most 2000 postures.
     let stride = rows.len().div_ceil(2000).max(1);
@@ -193,9 +185,9 @@ pub(crate) fn look(
     let Health { findings, stuck } = found.after(findings);
     let left_out = LeftOut {
         less_known: stuck.map(|stuck| LessKnown {
-            slopes: Arc::new(Evaluator::new(model, Function::ComJacobian).fastest()),
+            slopes: Arc::new(Evaluator::new(on.model, Function::ComJacobian).fastest()),
             joint: stuck.joint,
-            anywhere: of_joint(&model.tree.dofs[stuck.joint], ANYWHERE),
+            anywhere: of_joint(&on.model.tree.dofs[stuck.joint], ANYWHERE),
             noise: alone.then(|| rows.noise.unwrap_or(UNKNOWN_NOISE_M)),
         }),
         ..left_out
@@ -210,15 +202,11 @@ pub(crate) fn look(
 /// What is wrong with the log; when `watch` stops it.
 pub(crate) fn screen(
     mut samples: Samples,
-    (robot, model): (&Robot, &Model),
+    on: (&Robot, &Model),
     noise: Option<f64>,
     watch: &mut dyn Watch,
 ) -> Result<(Samples, Vec<Finding>), Error> {
-    let on = On {
-        robot,
-        model,
-        snapping: Snapping::default(),
-    };
+    let on = On::new(on, Snapping::default());
     let (_, left_out, findings) = judge(&mut samples, on, noise, watch)?;
     Ok((screened(samples, left_out), findings))
 }

@@ -12,8 +12,7 @@ use super::criteria::UNKNOWN_NOISE_M;
 use super::finding::{Picture, Row};
 use super::wirings;
 use crate::evaluate::Evaluator;
-use crate::observations::noise::NoiseSource;
-use crate::observations::postures::{Postures, rms};
+use crate::observations::postures::{Postures, range, rms};
 use crate::robot::Robot;
 
 /// x and y of a CoP, posture by posture, m.
@@ -27,18 +26,23 @@ pub(super) struct On<'a> {
     pub snapping: Snapping,
 }
 
+impl<'a> On<'a> {
+    pub fn new((robot, model): (&'a Robot, &'a Model), snapping: Snapping) -> On<'a> {
+        On {
+            robot,
+            model,
+            snapping,
+        }
+    }
+}
+
 /// Postures beside what CAD says of them.
 pub(super) struct View<'a> {
     pub on: On<'a>,
-    pose: Vec<i64>,
-    /// Joint positions, posture by posture, rad or m.
-    pub q: Vec<f64>,
+    pub data: Postures,
     pub reading: Cop,
     /// Deviation of each reading, m; a guess where it is not known yet.
     pub std: Cop,
-    pub noise_is_known: bool,
-    /// Deviation of the rows of a posture over that of their mean, where repeats tell it.
-    pub repeats: f64,
     /// CoM by CAD, three per posture, m.
     pub com: Vec<f64>,
     /// Its x and y.
@@ -46,55 +50,38 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    pub fn new(on: On<'a>, data: &Postures) -> View<'a> {
+    pub fn new(on: On<'a>, data: Postures) -> View<'a> {
         let com = Evaluator::new(on.model, Function::Com).run(&data.q, data.len());
         let known = |std: f64| if std.is_nan() { UNKNOWN_NOISE_M } else { std };
         let std = |k: usize| column(&data.std, 2, k).into_iter().map(known).collect();
         View {
             on,
-            pose: data.pose.clone(),
             reading: [0, 1].map(|k| column(&data.reading, 2, k)),
             std: [0, 1].map(std),
-            noise_is_known: data.std.iter().all(|std| !std.is_nan()),
-            repeats: match data.noise_source {
-                NoiseSource::Repeats => data.rows_per_posture.sqrt(),
-                _ => 0.0,
-            },
             cad: [0, 1].map(|k| column(&com, 3, k)),
             com,
-            q: data.q.clone(),
+            data,
         }
     }
 
     /// Some of the postures, evenly chosen: as many as are looked at under every wiring.
     pub fn few(&self) -> View<'a> {
-        let chosen = evenly(0..self.len(), 300);
-        let dof = self.on.model.dof();
-        let of = |all: &[f64], width: usize| -> Vec<f64> {
-            let rows = chosen.iter().flat_map(|k| &all[k * width..(k + 1) * width]);
-            rows.copied().collect()
-        };
-        let both = |all: &Cop| all.each_ref().map(|axis| of(axis, 1));
-        View {
-            on: self.on,
-            pose: chosen.iter().map(|k| self.pose[*k]).collect(),
-            q: of(&self.q, dof),
-            reading: both(&self.reading),
-            std: both(&self.std),
-            noise_is_known: self.noise_is_known,
-            repeats: self.repeats,
-            com: of(&self.com, 3),
-            cad: both(&self.cad),
+        let mut keep = vec![false; self.len()];
+        for k in evenly(0..self.len(), 300) {
+            keep[k] = true;
         }
+        let mut data = self.data.clone();
+        data.keep(&keep);
+        View::new(self.on, data)
     }
 
     pub fn len(&self) -> usize {
-        self.pose.len()
+        self.data.len()
     }
 
     /// Positions of one joint.
     pub fn joint(&self, joint: usize) -> Vec<f64> {
-        column(&self.q, self.on.model.dof(), joint)
+        column(&self.data.q, self.on.model.dof(), joint)
     }
 
     /// Distance of the readings from a CoP, m RMS.
@@ -137,7 +124,7 @@ impl<'a> View<'a> {
                 .map(|(all, at)| at.checked_sub(1).map(|at| all[at].clone()));
             let in_unit = unit.is_none();
             let wiring: Vec<Instance> = unit.into_iter().chain(fault).collect();
-            let q = wirings::positions(&context, &wiring, &self.q);
+            let q = wirings::positions(&context, &wiring, &self.data.q);
             let com = com.run(&q, self.len());
             (in_unit, [0, 1].map(|k| column(&com, 3, k)))
         })
@@ -171,7 +158,7 @@ impl<'a> View<'a> {
 
     /// A posture as figures show it.
     pub fn row(&self, k: usize) -> Row {
-        Row::among(&self.pose, &self.q, k)
+        Row::among(&self.data.pose, &self.data.q, k)
     }
 }
 
@@ -184,6 +171,12 @@ pub(super) fn column(values: &[f64], width: usize, k: usize) -> Vec<f64> {
 pub(super) fn evenly(rows: impl ExactSizeIterator<Item = usize>, most: usize) -> Vec<usize> {
     let stride = rows.len().div_ceil(most).max(1);
     rows.step_by(stride).collect()
+}
+
+/// How far the largest of some values is above the least.
+pub(super) fn span(values: impl Iterator<Item = f64>) -> f64 {
+    let (low, high) = range(values);
+    high - low
 }
 
 pub(super) fn mean(x: &[f64]) -> f64 {

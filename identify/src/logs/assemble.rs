@@ -37,7 +37,7 @@ use sesc_model::text::listed;
 use sesc_model::tree::{Dof, is_support, like_sole};
 
 use super::block::{Block, Frame, Share};
-use super::bounds::{Bound, LEAST_LOAD_N, check_cop, three_digits};
+use super::bounds::{LEAST_LOAD_N, check_cop, three_digits};
 use super::columns::{Columns, POSE};
 use super::names::{list, short};
 use super::settings::{Options, Readings, Sensor, Sidecar, check_gravity};
@@ -46,7 +46,6 @@ use crate::{Error, Message, Setting, message};
 
 /// Makes blocks of raw rows.
 pub(super) struct Assembler {
-    pub file: String,
     /// Those without a value are none, once the first rows were seen.
     pub columns: Columns,
     /// Whether a joint turns without end.
@@ -63,26 +62,16 @@ pub(super) struct Assembler {
     /// 1 of each sensor, −1 of one that says how the robot acts on the ground.
     signs: Vec<f64>,
     next_pose: i64,
-    missing: Missing,
+    /// Rows that miss a value, the first of them, and those that miss the pose.
+    missing: u64,
+    first_missing: Option<u64>,
+    missing_poses: u64,
     /// Joints, time and posture of the last row.
     last: (Vec<f64>, f64, i64),
 }
 
-/// Values that rows do not have.
-#[derive(Default)]
-struct Missing {
-    rows: u64,
-    /// The first of these rows.
-    first: u64,
-    /// How many rows miss a value of each column, the `pose` last.
-    of: Vec<u64>,
-    /// Columns that have no value at all.
-    unused: Vec<usize>,
-}
-
 impl Assembler {
     pub fn new(
-        file: &str,
         columns: Columns,
         dofs: &[Dof],
         sidecar: &Sidecar,
@@ -90,7 +79,6 @@ impl Assembler {
     ) -> Result<Assembler, Error> {
         let support = options.support.as_deref().or(sidecar.support.as_deref());
         let assembler = Assembler {
-            file: file.to_string(),
             endless: dofs.iter().map(|dof| dof.continuous).collect(),
             sidecar: sidecar.clone(),
             options: options.clone(),
@@ -100,10 +88,9 @@ impl Assembler {
             both: None,
             signs: vec![1.0; columns.sensors.len()],
             next_pose: 0,
-            missing: Missing {
-                of: vec![0; columns.numbers.len() + 1],
-                ..Missing::default()
-            },
+            missing: 0,
+            first_missing: None,
+            missing_poses: 0,
             last: (Vec::new(), f64::NAN, MISSING),
             columns,
         };
@@ -112,14 +99,22 @@ impl Assembler {
             let known = assembler.known_link(link);
             known.map_err(|message| match options.support {
                 Some(_) => Error::request(message),
-                None => assembler.fault(None, format!("sidecar: {message}")),
+                None => Error::row(None, format!("sidecar: {message}")),
             })?;
         }
         let sensors = sidecar.sensors.iter().flatten();
         for (name, sensor) in sensors.filter(|_| options.readings != Readings::Ignored) {
-            if let Some(frame) = &sensor.frame {
-                assembler.known_frame(name, frame)?;
-            }
+            let Some(frame) = &sensor.frame else { continue };
+            assembler.known(frame).map_err(|meant| {
+                let said = format!(
+                    "sidecar: sensor `{}` is in the frame `{}`, which is no link: {meant}; a plate \
+                     on the floor has, in place of `frame`, `pose = [x, y, z, roll, pitch, yaw]` in \
+                     the support frame (m, rad)",
+                    short(name),
+                    short(frame)
+                );
+                Error::row(None, said)
+            })?;
         }
         let (found, placed) = (columns.cells.len(), assembler.places().len());
         if columns.cop.is_none() && found > 0 && found != placed {
@@ -132,7 +127,7 @@ impl Assembler {
                      give one place for each"
                 ),
             };
-            return Err(assembler.fault(None, message));
+            return Err(Error::row(None, message));
         }
         Ok(assembler)
     }
@@ -143,26 +138,12 @@ impl Assembler {
         all.take(self.columns.sensors.len())
     }
 
-    /// Whether a sensor's frame is one of the robot's.
-    fn known_frame(&self, name: &str, frame: &str) -> Result<(), Error> {
-        self.known(frame).map_err(|meant| {
-            let said = format!(
-                "sidecar: sensor `{}` is in the frame `{}`, which is no link: {meant}; a plate on \
-                 the floor has, in place of `frame`, `pose = [x, y, z, roll, pitch, yaw]` in the support \
-                 frame (m, rad)",
-                short(name),
-                short(frame)
-            );
-            self.fault(None, said)
-        })
-    }
-
     /// The other sole, where sensors of two feet stand on it and the support of all rows.
     pub fn other_sole(&self) -> Option<String> {
         let said = self.options.both_feet.or(self.sidecar.both_feet);
         let support = self.support_of_all()?;
-        let placed = |(_, sensor)| self.placed(&support, sensor, [[0.0; 3]; 2]);
-        let soles: Vec<_> = self.sensors().filter_map(placed).collect();
+        let place = |(name, sensor): (&String, &Sensor)| self.place([&support, name], sensor).ok();
+        let soles: Vec<_> = self.sensors().filter_map(place).collect();
         let is_own = |(sole, _): &(Option<String>, _)| sole.is_none();
         let is_of_both = said != Some(false) && soles.iter().any(is_own);
         let mut others = soles.into_iter().filter_map(|(sole, _)| sole);
@@ -183,21 +164,15 @@ impl Assembler {
         self.sidecar.cells.as_deref().unwrap_or_default()
     }
 
-    /// A fault of the log, at a row of it.
-    pub fn fault(&self, line: Option<u64>, message: impl Into<Message>) -> Error {
-        Error::log(self.file.clone(), line, message)
-    }
-
     /// Look at the first rows for what holds for all: which columns have values, whether rows
     /// are means, which way forces are counted, and whether the CoP is in metres. Gives what is odd.
-    pub fn look(&mut self, raw: &mut Raw) -> Result<Vec<Message>, Error> {
+    pub fn look(&mut self, raw: &Raw) -> Result<Vec<String>, Error> {
         let turned = self.find_signs(raw);
         self.find_unused(raw);
-        self.fill_unused(raw);
         let rows = typical_run(&raw.pose).max(1) as f64;
         let readings = self.sidecar.readings_per_pose.unwrap_or(1) as f64;
         self.shrink = (rows / readings).min(1.0).sqrt();
-        let typical = |k: Option<usize>| k.and_then(|k| self.typical(raw, k));
+        let typical = |k: Option<usize>| k.and_then(|k| typical_length(&raw.numbers[k..k + 2]));
         let Some(far) = typical(self.columns.cop) else {
             return Ok(turned);
         };
@@ -222,25 +197,22 @@ impl Assembler {
         } else {
             return Ok(turned);
         };
-        Err(self.fault(raw.line.first().copied(), said))
+        Err(Error::row(raw.line.first().copied(), said))
     }
 
     /// Turn sensors whose force points down where it is large: they say how the robot acts on the
     /// ground.
-    fn find_signs(&mut self, raw: &Raw) -> Vec<Message> {
+    fn find_signs(&mut self, raw: &Raw) -> Vec<String> {
         let Some(support) = self.support_of(raw.support.first()) else {
             return Vec::new();
         };
-        let width = self.columns.numbers.len();
         let (mut signs, mut said) = (Vec::new(), Vec::new());
         for ((name, sensor), first) in self.sensors().zip(&self.columns.sensors) {
-            let up = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|axis| {
-                let placed = self.placed(support, sensor, [axis, [0.0; 3]]);
-                placed.map_or(axis[2], |(_, [force, _])| force[2])
-            });
-            let rows = raw.numbers.chunks_exact(width).map(|row| &row[*first..]);
-            let force = rows.map(|own| own.iter().zip(up).map(|(f, up)| f * up).sum::<f64>());
-            let mut force: Vec<f64> = force.filter(|force| force.is_finite()).collect();
+            let placed = self.place([support, name], sensor);
+            let up = placed.map_or([0.0, 0.0, 1.0], |(_, frame)| frame.axes.map(|axis| axis[2]));
+            let upward = |row: usize| (0..3).map(|k| raw.numbers[first + k][row] * up[k]).sum();
+            let force = (0..raw.line.len()).map(upward);
+            let mut force: Vec<f64> = force.filter(|force: &f64| force.is_finite()).collect();
             force.sort_by(|a, b| b.abs().total_cmp(&a.abs()));
             // A foot that stands in a quarter of the rows is heard.
             force.truncate(force.len().div_ceil(4));
@@ -248,13 +220,12 @@ impl Assembler {
             let is_turned = typical <= -LEAST_LOAD_N;
             signs.push(if is_turned { -1.0 } else { 1.0 });
             said.extend(is_turned.then(|| {
-                Message::from(format!(
-                    "{}: the force of sensor `{}` points down ({} N): it is how the robot acts on \
-                     the ground; its sign is turned",
-                    self.file,
+                format!(
+                    "the force of sensor `{}` points down ({} N): it is how the robot acts on the \
+                     ground; its sign is turned",
                     short(name),
                     three_digits(typical)
-                ))
+                )
             }));
         }
         self.signs = signs;
@@ -262,9 +233,8 @@ impl Assembler {
     }
 
     /// Optional columns without a value.
-    fn find_unused(&mut self, raw: &mut Raw) {
-        let width = self.columns.numbers.len();
-        let mut empty = |k: usize| raw.column(k, width).all(|x| x.is_nan());
+    fn find_unused(&mut self, raw: &Raw) {
+        let empty = |k: usize| raw.numbers[k].iter().all(|x| x.is_nan());
         let columns = &mut self.columns;
         let cells = columns.cells.len();
         for (column, count) in [
@@ -274,9 +244,9 @@ impl Assembler {
             (&mut columns.gravity, 3),
             (&mut columns.load, 1),
         ] {
-            if let Some(first) = column.filter(|first| (*first..first + count).any(&mut empty)) {
-                self.missing.unused.extend(first..first + count);
-                columns.bounds[first..first + count].fill(Bound::ANY);
+            if let Some(first) = column.filter(|first| (*first..first + count).any(empty)) {
+                let own = &mut columns.numbers[first..first + count];
+                own.iter_mut().for_each(|own| own.is_needed = false);
                 *column = None;
             }
         }
@@ -284,17 +254,10 @@ impl Assembler {
 
     /// Bring rows to SI units; columns without a value cost no row.
     pub fn scale(&self, raw: &mut Raw) {
-        let factors = &self.columns.factors;
-        for (k, factor) in factors.iter().enumerate().filter(|(_, own)| **own != 1.0) {
-            raw.column(k, factors.len()).for_each(|x| *x *= factor);
-        }
-        self.fill_unused(raw);
-    }
-
-    fn fill_unused(&self, raw: &mut Raw) {
-        let width = self.columns.numbers.len();
-        for k in &self.missing.unused {
-            raw.column(*k, width).for_each(|x| *x = 0.0);
+        for (own, values) in self.columns.numbers.iter().zip(&mut raw.numbers) {
+            if own.factor != 1.0 {
+                values.iter_mut().for_each(|x| *x *= own.factor);
+            }
         }
     }
 
@@ -302,58 +265,34 @@ impl Assembler {
     ///
     /// # Errors
     /// A log of which no row is left.
-    pub fn conclude(&self, rows: u64) -> Result<Vec<Message>, Error> {
-        let missing = &self.missing;
-        let named = |k: usize| self.columns.names.get(k).map_or(POSE, String::as_str);
+    pub fn conclude(&self, rows: u64) -> Result<Vec<String>, Error> {
         let mut said = Vec::new();
-        if !missing.unused.is_empty() {
-            let nouns = ["a column", "columns"];
-            let noun = nouns[usize::from(missing.unused.len() > 1)];
-            let names = list(missing.unused.iter().map(|k| named(*k)));
+        let unused = self.columns.numbers.iter().filter(|own| !own.is_needed);
+        let unused: Vec<&String> = unused.map(|own| &own.name).collect();
+        if !unused.is_empty() {
+            let noun = ["a column", "columns"][usize::from(unused.len() > 1)];
+            let names = list(unused);
             said.push(format!("{noun} without a value, and not used: {names}"));
         }
-        if missing.rows > 0 {
-            let of = missing.of.iter().enumerate();
-            let of = of.filter(|(_, count)| **count > 0);
-            let of = of.map(|(k, count)| format!("`{}` in {count}", short(named(k))));
+        if let Some(first) = self.first_missing {
+            let numbers = self.columns.numbers.iter();
+            let counts = numbers.map(|own| (&*own.name, own.missing));
+            let counts = counts.chain([(POSE, self.missing_poses)]);
+            let of = counts.filter(|(_, count)| *count > 0);
+            let of = of.map(|(name, count)| format!("`{}` in {count}", short(name)));
             let lost = format!(
-                "{} of {} rows have no value of a column and are left out: {} (the first is row {})",
-                missing.rows,
-                rows + missing.rows,
-                listed(of, 8),
-                missing.first
+                "{} of {} rows have no value of a column and are left out: {} (the first is row \
+                 {first})",
+                self.missing,
+                rows + self.missing,
+                listed(of, 8)
             );
             if rows == 0 {
-                return Err(self.fault(Some(missing.first), lost));
+                return Err(Error::row(Some(first), lost));
             }
             said.push(lost);
         }
-        let named = said.iter().map(|said| format!("{}: {said}", self.file));
-        Ok(named.map(Message::from).collect())
-    }
-
-    /// Take note of a row that misses values.
-    fn miss(&mut self, line: u64, numbers: &[f64], pose: Option<i64>) {
-        let missing = &mut self.missing;
-        if missing.rows == 0 {
-            missing.first = line;
-        }
-        missing.rows += 1;
-        let without = numbers.iter().map(|x| x.is_nan());
-        let without = without.chain([pose == Some(MISSING)]);
-        for (count, is) in missing.of.iter_mut().zip(without) {
-            *count += u64::from(is);
-        }
-    }
-
-    /// The typical length of columns `k` and `k + 1`, as they stand in the log.
-    fn typical(&self, raw: &Raw, k: usize) -> Option<f64> {
-        let width = self.columns.numbers.len();
-        let rows = raw.numbers.chunks_exact(width);
-        let far = rows.map(|row| row[k].hypot(row[k + 1]));
-        let mut far: Vec<f64> = far.filter(|far| far.is_finite()).collect();
-        far.sort_by(f64::total_cmp);
-        far.get(far.len() / 2).copied()
+        Ok(said)
     }
 
     /// The support of all rows, where none has its own.
@@ -374,18 +313,27 @@ impl Assembler {
         rows: Range<usize>,
         block: &mut Block,
     ) -> Result<(), Error> {
-        let width = self.columns.numbers.len();
+        let mut numbers = Vec::new();
         for k in rows {
             let line = raw.line[k];
-            let numbers = &raw.numbers[k * width..(k + 1) * width];
+            numbers.clear();
+            numbers.extend(raw.row(k));
             let pose = raw.pose.get(k).copied();
-            if pose == Some(MISSING) || numbers.iter().fold(false, |any, x| any | x.is_nan()) {
-                self.miss(line, numbers, pose);
+            let mut is_missing = pose == Some(MISSING);
+            self.missing_poses += u64::from(is_missing);
+            for (x, own) in numbers.iter().zip(&mut self.columns.numbers) {
+                let lacks = x.is_nan() && own.is_needed;
+                own.missing += u64::from(lacks);
+                is_missing |= lacks;
+            }
+            if is_missing {
+                self.missing += 1;
+                self.first_missing.get_or_insert(line);
                 continue;
             }
-            self.row(numbers, (raw.support.get(k), raw.other.get(k)), block)
+            self.row(&numbers, (raw.support.get(k), raw.other.get(k)), block)
                 .and_then(|()| Ok(self.support(raw.support.get(k), block)?))
-                .map_err(|message| self.fault(Some(line), self.and_others(message, raw, k + 1)))?;
+                .map_err(|message| Error::row(Some(line), self.and_others(message, raw, k + 1)))?;
             block.line.push(line);
             let pose = pose.unwrap_or(self.next_pose);
             self.unwrap(pose, block);
@@ -417,14 +365,14 @@ impl Assembler {
     /// What is wrong with a row, and which of those after it in `raw`, from `next` on, are faulty,
     /// too.
     fn and_others(&self, message: Message, raw: &Raw, next: usize) -> Message {
-        let width = self.columns.numbers.len().max(1);
-        let rows = raw.numbers.chunks_exact(width).enumerate().skip(next);
-        let whole = rows.filter(|(_, numbers)| !numbers.iter().any(|x| x.is_nan()));
-        let faulty = whole.filter(|(k, numbers)| {
+        let faulty = (next..raw.line.len()).filter(|k| {
+            let numbers: Vec<f64> = raw.row(*k).collect();
             let own = (raw.support.get(*k), raw.other.get(*k));
-            self.row(numbers, own, &mut Block::default()).is_err()
+            let mut known = numbers.iter().zip(&self.columns.numbers);
+            let is_whole = known.all(|(x, own)| !x.is_nan() || !own.is_needed);
+            is_whole && self.row(&numbers, own, &mut Block::default()).is_err()
         });
-        let lines: Vec<String> = faulty.map(|(k, _)| raw.line[k].to_string()).collect();
+        let lines: Vec<String> = faulty.map(|k| raw.line[k].to_string()).collect();
         match lines.len() {
             0 => message,
             1 => message.and(format!("; row {} is faulty, too", lines[0])),
@@ -439,28 +387,19 @@ impl Assembler {
         block: &mut Block,
     ) -> Result<(), Message> {
         let columns = &self.columns;
-        let bounded = numbers.iter().zip(&columns.bounds);
-        if !bounded
-            .clone()
-            .fold(true, |all, (x, bound)| all & bound.holds(*x))
-        {
-            let mut named = bounded.zip(&columns.names);
-            named.try_for_each(|((x, bound), name)| bound.check(name, *x))?;
-        }
-        block.q.extend(&numbers[columns.joints.clone()]);
-        if let Some(k) = columns.t {
-            block.t.get_or_insert_default().push(numbers[k]);
-        }
-        let gravity = columns
+        let bounded = numbers.iter().zip(&columns.numbers);
+        let mut odd = bounded.filter(|(x, own)| own.is_needed && !own.bound.holds(**x));
+        odd.try_for_each(|(x, own)| own.bound.check(&own.name, *x))?;
+        let q = &numbers[columns.joints.clone()];
+        block.q.extend(q);
+        push(&mut block.t, columns.t.map(|k| numbers[k]));
+        let of_row = columns
             .gravity
             .map(|k| [0, 1, 2].map(|axis| numbers[k + axis]));
-        if let Some(gravity) = gravity.or(self.sidecar.gravity) {
-            check_gravity(gravity)?;
-            block.gravity.get_or_insert_default().push(gravity);
-        }
-        if let Some(k) = columns.load {
-            block.load.get_or_insert_default().push(numbers[k]);
-        }
+        let gravity = of_row.or(self.sidecar.gravity);
+        gravity.map_or(Ok(()), check_gravity)?;
+        push(&mut block.gravity, gravity);
+        push(&mut block.load, columns.load.map(|k| numbers[k]));
         let force = &numbers[columns.cells.clone()];
         let force_std = columns.cell_std.map(|k| -> Vec<f64> {
             let own = numbers[k..k + force.len()].iter();
@@ -478,38 +417,31 @@ impl Assembler {
             return Ok(());
         }
         let pair = |k: usize| [numbers[k], numbers[k + 1]];
-        let std_of_cop = || Some(pair(columns.cop_std?).map(|s| s * self.shrink));
-        let (cop, std) = match columns.cop {
-            Some(k) => {
-                let mut cop = pair(k);
-                if let (Some(other), Some([from, of])) = (other, &self.both)
-                    && let Some(soles) = &self.options.soles
-                {
+        let mut std = columns.cop_std.map(|k| pair(k).map(|s| s * self.shrink));
+        let cop = if let Some(k) = columns.cop {
+            let cop = pair(k);
+            match (other, &self.both, &self.options.soles) {
+                (Some(other), Some([from, of]), Some(soles)) => {
                     let own = cop.map(|x| (1.0 - other.share) * x);
-                    let q = &numbers[columns.joints.clone()];
-                    cop = other.join((&**soles, [from, of]), own, (q, block));
+                    other.join((&**soles, [from, of]), own, (q, block))
                 }
-                (cop, std_of_cop())
+                _ => cop,
             }
-            None if !columns.sensors.is_empty() => {
-                let cop = self.by_sensors(numbers, support, block)?;
-                check_cop(cop)?;
-                (cop, std_of_cop())
-            }
-            None => {
-                let cop = match centre(self.places(), force) {
-                    Err(_) if self.no_load => [0.0; 2],
-                    cop => cop?,
-                };
-                check_cop(cop)?;
-                let std = force_std.map(|std| deviation(self.places(), force, &std, cop));
-                (cop, std)
-            }
+        } else if columns.sensors.is_empty() {
+            let cop = match centre(self.places(), force) {
+                Err(_) if self.no_load => [0.0; 2],
+                cop => cop?,
+            };
+            std = force_std.map(|std| deviation(self.places(), force, &std, cop));
+            cop
+        } else {
+            self.by_sensors(numbers, support, block)?
         };
-        block.reading.get_or_insert_default().push(cop);
-        if let Some(std) = std {
-            block.std.get_or_insert_default().push(std);
+        if columns.cop.is_none() {
+            check_cop(cop)?;
         }
+        push(&mut block.reading, Some(cop));
+        push(&mut block.std, std);
         Ok(())
     }
 
@@ -529,23 +461,22 @@ impl Assembler {
         let sensors = self.sensors().zip(&self.columns.sensors).zip(&self.signs);
         for (((name, sensor), first), sign) in sensors {
             let of = |at: usize| [0, 1, 2].map(|axis| sign * numbers[first + at + axis]);
-            let (sum, moved) = match (self.placed(support, sensor, [of(0), of(3)]), &mut other) {
-                (Some((None, moved)), _) => (&mut own, moved),
-                (Some((Some(sole), moved)), None) => {
-                    (&mut other.insert((sole, [[0.0; 3]; 2])).1, moved)
-                }
-                (Some((Some(sole), moved)), Some((known, sum))) if *known == sole => (sum, moved),
-                (_, known) => {
-                    let sole = known.as_ref().map(|(sole, _)| sole.clone());
-                    return Err(self.nowhere([support, name], sensor, sole).into());
+            let (sole, frame) = self.place([support, name], sensor)?;
+            let sum = match (sole, &mut other) {
+                (None, _) => &mut own,
+                (Some(sole), None) => &mut other.insert((sole, [[0.0; 3]; 2])).1,
+                (Some(sole), Some((known, sum))) if *known == sole => sum,
+                (_, Some((known, _))) => {
+                    return Err(self.nowhere([support, name], sensor, known).into());
                 }
             };
+            let moved = frame.moved([of(0), of(3)]);
             let all = sum.as_flattened_mut().iter_mut();
             all.zip(moved.as_flattened()).for_each(|(sum, x)| *sum += x);
         }
         let force = other.as_ref().map_or(0.0, |(_, [force, _])| force[2]);
         let total = own[0][2] + force;
-        block.load.get_or_insert_default().push(total);
+        push(&mut block.load, Some(total));
         let stands = total.abs() >= LEAST_LOAD_N;
         if !stands && !self.no_load {
             let names = list(self.sensors().map(|(name, _)| name));
@@ -580,44 +511,45 @@ impl Assembler {
         own.or(self.support.as_ref()).map(|link| &**link)
     }
 
-    /// The wrench of a sensor in the support frame, or in that of the other sole, with its name;
-    /// none of one that is fixed to neither.
-    fn placed(
+    /// Where a sensor is in the support frame, or in that of the other sole, with its name.
+    ///
+    /// # Errors
+    /// Why one that is fixed to neither is not placed.
+    fn place(
         &self,
-        support: &str,
+        [support, name]: [&str; 2],
         sensor: &Sensor,
-        wrench: [[f64; 3]; 2],
-    ) -> Option<(Option<String>, [[f64; 3]; 2])> {
+    ) -> Result<(Option<String>, Frame), String> {
         if let Some(pose) = sensor.pose {
-            return Some((None, Frame::posed(pose).moved(wrench)));
+            return Ok((None, Frame::posed(pose)));
         }
-        let link = sensor.frame.as_deref()?;
-        let fixed = |sole: &str| self.options.soles.as_ref()?.fixed(sole, link);
-        let moved = |sole: &str| match sole == link {
-            true => Some(wrench),
-            false => fixed(sole).map(|frame| frame.moved(wrench)),
+        let link = sensor.frame.as_deref().unwrap_or_default();
+        let soles = self.options.soles.as_ref();
+        let on = |sole: &str| match sole == link {
+            true => Some(Frame::posed([0.0; 6])),
+            false => soles?.fixed(sole, link),
         };
-        if let Some(moved) = moved(support) {
-            return Some((None, moved));
+        if let Some(frame) = on(support) {
+            return Ok((None, frame));
         }
-        // Only a robot says where another link is.
-        self.options.soles.as_ref()?;
         let sole = self.sole_of(support, link);
-        let moved = moved(&sole)?;
-        Some((Some(sole), moved))
+        // Only a robot says where another link is.
+        match on(&sole).filter(|_| soles.is_some()) {
+            Some(frame) => Ok((Some(sole), frame)),
+            None => Err(self.nowhere([support, name], sensor, &sole)),
+        }
     }
 
     /// Why a sensor is not placed.
-    fn nowhere(&self, [support, name]: [&str; 2], sensor: &Sensor, sole: Option<String>) -> String {
+    fn nowhere(&self, [support, name]: [&str; 2], sensor: &Sensor, sole: &str) -> String {
         let frame = sensor.frame.as_deref().unwrap_or_default();
-        let sole = sole.unwrap_or_else(|| self.sole_of(support, frame));
         let why = match &self.options.soles {
             None => "which only a robot can place: give the robot of the log".to_string(),
             Some(_) => format!(
                 "which is fixed neither to `{}` nor to `{}`; name the sole that it is fixed to by \
                  `other_foot = \"…\"` in the sidecar",
                 short(support),
-                short(&sole)
+                short(sole)
             ),
         };
         format!("sensor `{}` is in `{}`, {why}", short(name), short(frame))
@@ -656,6 +588,21 @@ impl Assembler {
             None => format!("the robot has {}", list(links)),
         })
     }
+}
+
+/// Append the value of a row to a column that the log has.
+fn push<T>(column: &mut Option<Vec<T>>, value: Option<T>) {
+    if let Some(value) = value {
+        column.get_or_insert_default().push(value);
+    }
+}
+
+/// The typical length of vectors in the plane.
+fn typical_length(columns: &[Vec<f64>]) -> Option<f64> {
+    let far = columns[0].iter().zip(&columns[1]).map(|(x, y)| x.hypot(*y));
+    let mut far: Vec<f64> = far.filter(|far| far.is_finite()).collect();
+    far.sort_by(f64::total_cmp);
+    far.get(far.len() / 2).copied()
 }
 
 /// How many rows typically share a pose, in succession or sweep by sweep: the median over the

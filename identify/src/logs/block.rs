@@ -10,6 +10,8 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use nalgebra::Rotation3;
+
 /// Some rows of a log, column by column; every column has one entry per row.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Block {
@@ -87,46 +89,38 @@ impl Block {
 
     /// Add the rows of `other`, which has the same columns.
     pub(crate) fn append(&mut self, other: Block) {
-        if self.is_empty() {
-            *self = other;
-            return;
-        }
-        self.line.extend(other.line);
-        self.pose.extend(other.pose);
-        self.q.extend(other.q);
-        join(&mut self.t, other.t);
-        join(&mut self.support, other.support);
-        join(&mut self.reading, other.reading);
-        join(&mut self.std, other.std);
-        join(&mut self.gravity, other.gravity);
-        join(&mut self.load, other.load);
-        join(&mut self.other, other.other);
-        if let (Some(own), Some(cells)) = (&mut self.cells, other.cells) {
-            own.force.extend(cells.force);
-            join(&mut own.std, cells.std);
+        match self.is_empty() {
+            true => *self = other,
+            false => self.extend(&other, 0..other.len()),
         }
     }
 
     /// Some of the rows, in this order.
     pub(crate) fn select(&self, rows: impl Iterator<Item = usize> + Clone) -> Block {
-        let width = self.q.len() / self.len().max(1);
-        Block {
-            line: entries(&self.line, 1, rows.clone()),
-            pose: entries(&self.pose, 1, rows.clone()),
-            t: of_column(&self.t, 1, rows.clone()),
-            support: of_column(&self.support, 1, rows.clone()),
-            q: entries(&self.q, width, rows.clone()),
-            reading: of_column(&self.reading, 1, rows.clone()),
-            std: of_column(&self.std, 1, rows.clone()),
-            cells: self.cells.as_ref().map(|cells| Cells {
-                count: cells.count,
-                force: entries(&cells.force, cells.count, rows.clone()),
-                std: of_column(&cells.std, cells.count, rows.clone()),
-            }),
-            load: of_column(&self.load, 1, rows.clone()),
-            gravity: of_column(&self.gravity, 1, rows.clone()),
-            other: of_column(&self.other, 1, rows),
+        let mut block = Block::default();
+        block.extend(self, rows);
+        block
+    }
+
+    /// Add some rows of `other`, which has the same columns, in this order.
+    fn extend(&mut self, other: &Block, rows: impl Iterator<Item = usize> + Clone) {
+        let width = other.q.len() / other.len().max(1);
+        extend(&mut self.line, &other.line, 1, rows.clone());
+        extend(&mut self.pose, &other.pose, 1, rows.clone());
+        extend(&mut self.q, &other.q, width, rows.clone());
+        join(&mut self.t, &other.t, 1, rows.clone());
+        join(&mut self.support, &other.support, 1, rows.clone());
+        join(&mut self.reading, &other.reading, 1, rows.clone());
+        join(&mut self.std, &other.std, 1, rows.clone());
+        if let Some(from) = &other.cells {
+            let cells = self.cells.get_or_insert_default();
+            cells.count = from.count;
+            extend(&mut cells.force, &from.force, from.count, rows.clone());
+            join(&mut cells.std, &from.std, from.count, rows.clone());
         }
+        join(&mut self.load, &other.load, 1, rows.clone());
+        join(&mut self.gravity, &other.gravity, 1, rows.clone());
+        join(&mut self.other, &other.other, 1, rows);
     }
 
     /// Whether there is no row.
@@ -135,24 +129,20 @@ impl Block {
     }
 }
 
-/// Entries of some rows, `width` of them in each.
-fn entries<T: Clone>(all: &[T], width: usize, rows: impl Iterator<Item = usize>) -> Vec<T> {
-    let mut entries = Vec::with_capacity(width * rows.size_hint().0);
-    rows.for_each(|row| entries.extend_from_slice(&all[row * width..(row + 1) * width]));
-    entries
+/// Add the entries of some rows, `width` in each.
+fn extend<T: Clone>(to: &mut Vec<T>, from: &[T], width: usize, rows: impl Iterator<Item = usize>) {
+    to.reserve(width * rows.size_hint().0);
+    rows.for_each(|row| to.extend_from_slice(&from[row * width..(row + 1) * width]));
 }
 
-fn of_column<T: Clone>(
-    all: &Option<Vec<T>>,
+fn join<T: Clone>(
+    to: &mut Option<Vec<T>>,
+    from: &Option<Vec<T>>,
     width: usize,
     rows: impl Iterator<Item = usize>,
-) -> Option<Vec<T>> {
-    all.as_ref().map(|all| entries(all, width, rows))
-}
-
-fn join<T>(own: &mut Option<Vec<T>>, other: Option<Vec<T>>) {
-    if let (Some(own), Some(other)) = (own, other) {
-        own.extend(other);
+) {
+    if let Some(from) = from {
+        extend(to.get_or_insert_default(), from, width, rows);
     }
 }
 
@@ -189,13 +179,9 @@ pub struct Frame {
 impl Frame {
     /// The frame at x, y, z (m) with roll, pitch and yaw (rad), as a URDF turns frames.
     pub(super) fn posed([x, y, z, roll, pitch, yaw]: [f64; 6]) -> Frame {
-        let [(sr, cr), (sp, cp), (sy, cy)] = [roll, pitch, yaw].map(f64::sin_cos);
+        let rotation = Rotation3::from_euler_angles(roll, pitch, yaw);
         Frame {
-            axes: [
-                [cy * cp, sy * cp, -sp],
-                [cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr],
-                [cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr],
-            ],
+            axes: rotation.into_inner().into(),
             origin: [x, y, z],
         }
     }

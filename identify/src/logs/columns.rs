@@ -109,19 +109,29 @@ const fn column(
 /// More columns than any robot has joints and readings.
 const MOST: usize = 20_000;
 
+/// A column of numbers that is wanted.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Number {
+    /// Its place in the log.
+    pub column: usize,
+    /// For messages.
+    pub name: String,
+    /// Values that it can have.
+    pub bound: Bound,
+    /// What brings it to SI units.
+    pub factor: f64,
+    /// Whether every row has to have a value, and how many have none.
+    pub is_needed: bool,
+    pub missing: u64,
+}
+
 /// Where the wanted columns are: `numbers` lists columns of numbers in the
 /// order a source delivers them, the ranges are positions in that list.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Columns {
     pub pose: Option<usize>,
     pub support: Option<usize>,
-    pub numbers: Vec<usize>,
-    /// Name of each number, for messages.
-    pub names: Vec<String>,
-    /// Values that each number can have.
-    pub bounds: Vec<Bound>,
-    /// What brings each number to SI units.
-    pub factors: Vec<f64>,
+    pub numbers: Vec<Number>,
     pub t: Option<usize>,
     pub joints: Range<usize>,
     pub cop: Option<usize>,
@@ -199,11 +209,12 @@ impl Columns {
         let ignored = header.iter().filter(|name| at.contains_key(name.as_str()));
         columns.ignored = ignored.cloned().collect();
         columns.note = note;
-        columns.factors = columns.numbers.iter().map(|k| factors[*k]).collect();
-        for (factor, dof) in columns.factors.iter_mut().zip(dofs) {
+        for (k, own) in columns.numbers.iter_mut().enumerate() {
+            own.factor = factors[own.column];
+            let in_degrees = angles == Angles::Deg && dofs.get(k).is_some_and(|dof| !dof.prismatic);
             // Degrees that a name says need no other word for it.
-            if angles == Angles::Deg && !dof.prismatic && *factor == 1.0 {
-                *factor = PI / 180.0;
+            if in_degrees && own.factor == 1.0 {
+                own.factor = PI / 180.0;
             }
         }
         Ok(columns)
@@ -238,10 +249,10 @@ impl Columns {
             return Err(message![said, Setting::Columns, format!(" {{ {pairs} }}")]);
         }
         let near = suggestion(&missing, others.iter().copied());
-        let mut has = String::new();
-        if !others.is_empty() && near.is_empty() {
-            has = format!("; the log has {}", list(&others));
-        }
+        let has = match !others.is_empty() && near.is_empty() {
+            true => format!("; the log has {}", list(&others)),
+            false => String::new(),
+        };
         Err(format!("{said}; columns carry the URDF's joint names{near}{has}").into())
     }
 
@@ -272,7 +283,8 @@ impl Columns {
     ) -> Result<(), String> {
         for name in sensors.keys() {
             let (own, what) = (wrench(name), format!("sensor `{}`", short(name)));
-            let first = self.take(at, &own, &what).map_err(|said| {
+            let first = self.take(at, &own, &what);
+            let first = first.map_err(|said| {
                 format!("{said}; write zeros for what the sensor does not measure")
             })?;
             let first = first.ok_or_else(|| {
@@ -290,17 +302,14 @@ impl Columns {
             (!self.cells.is_empty(), "columns `fsr_1` …"),
             (self.load.is_some(), "column `fz`"),
         ];
-        match others
-            .into_iter()
-            .find(|(is, _)| *is && !sensors.is_empty())
-        {
-            Some((_, other)) => Err(format!(
+        let other = others.iter().find(|(is, _)| *is && !sensors.is_empty());
+        other.map_or(Ok(()), |(_, other)| {
+            Err(format!(
                 "{other} beside the wrenches of {}, which say the same; remove one of both, \
                  or `[sensors]` from the sidecar",
                 list(sensors.keys())
-            )),
-            None => Ok(()),
-        }
+            ))
+        })
     }
 
     /// Take all of `names` or none; some of them is an error about `what`.
@@ -312,8 +321,8 @@ impl Columns {
     ) -> Result<Option<usize>, String> {
         let start = self.numbers.len();
         let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
-        let missing = names.iter().copied().filter(|name| !at.contains_key(name));
-        let missing: Vec<&str> = missing.collect();
+        let mut missing = names.clone();
+        missing.retain(|name| !at.contains_key(name));
         if missing.len() == names.len() {
             return Ok(None);
         }
@@ -337,9 +346,14 @@ impl Columns {
     }
 
     fn push(&mut self, column: usize, name: &str, bound: Bound) {
-        self.numbers.push(column);
-        self.names.push(name.to_string());
-        self.bounds.push(bound);
+        self.numbers.push(Number {
+            column,
+            name: name.to_string(),
+            bound,
+            factor: 1.0,
+            is_needed: true,
+            missing: 0,
+        });
     }
 
     /// Whether rows carry readings.
@@ -384,32 +398,37 @@ pub(super) fn no_names(header: &[String]) -> Option<String> {
             )
         });
     }
-    let mut names = header.iter().filter(|name| !name.is_empty()).peekable();
-    let numbers = names.peek().is_some() && names.all(|name| name.parse::<f64>().is_ok());
     let said = "the first line has numbers, not the names of columns; write a line of names above it: \
                 `pose`, the URDF's joints, `cop_x`, `cop_y`";
-    numbers.then(|| said.to_string())
+    are_numbers(header.iter().map(String::as_str)).then(|| said.to_string())
+}
+
+/// Whether the fields of a line that are not empty are numbers, and some are.
+pub(super) fn are_numbers<'a>(fields: impl Iterator<Item = &'a str>) -> bool {
+    let mut fields = fields.filter(|field| !field.is_empty()).peekable();
+    fields.peek().is_some() && fields.all(|field| field.parse::<f64>().is_ok())
 }
 
 /// The names of columns with the units of a row below them, where it is one.
-pub(super) fn with_units<'a>(
-    names: &[String],
-    fields: impl Iterator<Item = &'a str>,
-) -> Option<Vec<String>> {
-    let brackets = ['[', ']', '(', ')'];
-    let fields: Vec<&str> = fields
-        .map(|field| field.trim().trim_matches(brackets).trim())
-        .collect();
-    let are_units = fields
-        .iter()
-        .all(|field| is_no_unit(field) || unit(field).is_some());
-    let any = fields.iter().any(|field| unit(field).is_some());
-    (are_units && any && fields.len() == names.len()).then(|| {
-        let named = names.iter().zip(fields);
-        let named = named.map(|(name, unit)| match is_no_unit(unit) {
-            true => name.clone(),
-            false => format!("{name} [{unit}]"),
-        });
+pub(super) fn with_units(names: &[String], fields: Vec<&str>) -> Option<Vec<String>> {
+    let bare = |field: &str| {
+        field
+            .trim()
+            .trim_matches(['[', ']', '(', ')'])
+            .trim()
+            .to_string()
+    };
+    let units: Vec<String> = fields.into_iter().map(bare).collect();
+    let mut said = units.iter().filter(|text| !is_no_unit(text)).peekable();
+    let are_units = said.peek().is_some() && said.all(|text| unit(text).is_some());
+    (are_units && units.len() == names.len()).then(|| {
+        let named = names
+            .iter()
+            .zip(&units)
+            .map(|(name, unit)| match is_no_unit(unit) {
+                true => name.clone(),
+                false => format!("{name} [{unit}]"),
+            });
         named.collect()
     })
 }
@@ -433,19 +452,17 @@ fn named(
     dofs: &[Dof],
     sensors: &BTreeMap<String, Sensor>,
 ) -> (Vec<String>, Vec<f64>, Option<String>) {
-    let joints: HashMap<&str, bool> = dofs
-        .iter()
-        .map(|dof| (dof.joint.trim(), dof.prismatic))
-        .collect();
+    let joints = dofs.iter().map(|dof| (dof.joint.trim(), dof.prismatic));
+    let joints: HashMap<&str, bool> = joints.collect();
     let taken: HashSet<&str> = header.iter().map(String::as_str).collect();
     let unit_of = |name: &str| match joints.get(name) {
         Some(true) => Some("m"),
         Some(false) => Some("rad"),
         None => {
             let own = WRENCH.iter().zip(["N", "N", "N", "N m", "N m", "N m"]);
-            let of = own.filter_map(|(end, unit)| Some((name.strip_suffix(end)?, unit)));
-            let mut of_sensors = of.filter(|(sensor, _)| sensors.contains_key(*sensor));
-            let of_wrench = of_sensors.next().map(|(_, unit)| unit);
+            let mut of = own.filter_map(|(end, unit)| Some((name.strip_suffix(end)?, unit)));
+            let of_wrench = of.find(|(sensor, _)| sensors.contains_key(*sensor));
+            let of_wrench = of_wrench.map(|(_, unit)| unit);
             of_wrench.or_else(|| meaning(name).map(|column| column.unit))
         }
     };
@@ -467,11 +484,11 @@ fn named(
         names.push(read.0.to_string());
         factors.push(read.1);
     }
+    let units = match factors.iter().all(|factor| *factor == 1.0) {
+        true => "",
+        false => ", in s, rad, m and N",
+    };
     let note = (!told.is_empty()).then(|| {
-        let units = match factors.iter().all(|factor| *factor == 1.0) {
-            true => "",
-            false => ", in s, rad, m and N",
-        };
         let told = listed(told, 4);
         format!("columns are read by other names{units}: {told}")
     });
@@ -487,15 +504,14 @@ fn without_unit(
     name: &str,
     is_known: impl Fn(&str) -> bool,
 ) -> (&str, Option<(&'static str, f64)>) {
-    let bracketed = [("[", ']'), ("(", ')')]
-        .into_iter()
-        .find_map(|(open, close)| {
-            let (bare, text) = name.strip_suffix(close)?.rsplit_once(open)?;
-            match text.trim() {
-                text if is_no_unit(text) => Some((bare.trim(), None)),
-                text => Some((bare.trim(), Some(unit(text)?))),
-            }
-        });
+    let mut brackets = [("[", ']'), ("(", ')')].into_iter();
+    let bracketed = brackets.find_map(|(open, close)| {
+        let (bare, text) = name.strip_suffix(close)?.rsplit_once(open)?;
+        match text.trim() {
+            text if is_no_unit(text) => Some((bare.trim(), None)),
+            text => Some((bare.trim(), Some(unit(text)?))),
+        }
+    });
     let suffixed = || {
         let (bare, text) = name.rsplit_once(['_', ' '])?;
         Some((bare, Some(unit(text)?))).filter(|_| is_known(bare))
@@ -607,13 +623,13 @@ pub(super) enum Field<'a> {
 
 /// Values of a row, in the order of their columns.
 pub(super) fn fields<'a>(row: &'a Row, columns: Written) -> impl Iterator<Item = Field<'a>> {
-    let t = columns.t.then_some(row.t).into_iter();
+    let pose = [Field::Whole(row.pose)].into_iter();
+    let t = columns.t.then_some(Field::Number(row.t));
     let support = columns.support.then_some(Field::Text(row.support));
     let cop = columns.cop.then_some(row.cop).into_iter().flatten();
     let std = columns.cop_std.then_some(row.cop_std).into_iter().flatten();
     let numbers = row.q.iter().copied().chain(cop).chain(std);
-    let pose = [Field::Whole(row.pose)].into_iter();
-    let first = pose.chain(t.map(Field::Number)).chain(support);
+    let first = pose.chain(t).chain(support);
     first.chain(numbers.map(Field::Number))
 }
 
@@ -644,7 +660,8 @@ mod tests {
     fn columns_are_found_by_name_in_any_order() {
         let names = header("fsr_2,knee,,t,fsr_1,hip,note,fsr_1_std,fsr_2_std,pose");
         let columns = of(&names, &["hip", "knee"]).unwrap();
-        assert_eq!(columns.numbers, [5, 1, 3, 4, 0, 7, 8]);
+        let numbers: Vec<usize> = columns.numbers.iter().map(|own| own.column).collect();
+        assert_eq!(numbers, [5, 1, 3, 4, 0, 7, 8]);
         assert_eq!((columns.joints, columns.t), (0..2, Some(2)));
         assert_eq!((columns.cells, columns.cell_std), (3..5, Some(5)));
         assert_eq!((columns.pose, columns.cop), (Some(9), None));
@@ -733,7 +750,7 @@ mod tests {
     fn a_row_of_units_is_told_from_numbers() {
         let row = |text: &'static str| {
             let names: Vec<String> = text.split(',').map(|_| "a".to_string()).collect();
-            with_units(&names, text.split(','))
+            with_units(&names, text.split(',').collect())
         };
         assert_eq!(row("-,[rad],m").unwrap(), ["a", "a [rad]", "a [m]"]);
         assert_eq!(row("0,1,2"), None);

@@ -21,7 +21,7 @@ use std::io::{self, BufRead, BufReader, Cursor, Read};
 
 use csv_core::ReadRecordResult;
 
-use super::columns::{Columns, POSE, with_units};
+use super::columns::{Columns, POSE, are_numbers, with_units};
 use super::input::Metered;
 use super::names::short;
 use super::source::{Raw, RowSource, repeated, whole};
@@ -30,7 +30,6 @@ use crate::threads::by_parts;
 
 /// A CSV file being read.
 pub(super) struct CsvSource {
-    file: String,
     input: Box<dyn BufRead + Send>,
     /// The last line of it, and how much of that was parsed.
     text: Vec<u8>,
@@ -43,7 +42,7 @@ pub(super) struct CsvSource {
     /// The line of the header.
     names_line: u64,
     /// The first row, which was looked at for units.
-    first: Option<Result<Option<Row>, Error>>,
+    first: Option<Row>,
     /// Rows that are not numbers yet.
     rows: Vec<Row>,
     meter: Metered,
@@ -59,32 +58,32 @@ struct Row {
 
 impl Row {
     /// Its fields, where it is text; delimiters are ASCII, so that fields are cut between characters.
-    fn fields<'a>(&'a self) -> Option<impl Fn(usize) -> &'a str> {
+    fn fields(&self) -> Option<Vec<&str>> {
         let text = str::from_utf8(&self.text).ok()?;
-        let start = |k: usize| k.checked_sub(1).map_or(0, |last| self.ends[last]);
-        Some(move |k| &text[start(k)..self.ends[k]])
+        let starts = [0].iter().chain(&self.ends);
+        let fields = starts
+            .zip(&self.ends)
+            .map(|(start, end)| &text[*start..*end]);
+        Some(fields.collect())
     }
 }
 
 impl CsvSource {
-    /// Start reading; `file` names it in messages, `head` are the bytes that
-    /// were taken from `input` already.
-    pub fn open(file: &str, head: Vec<u8>, input: Metered) -> Result<CsvSource, Error> {
+    /// Start reading; `head` are the bytes that were taken from `input` already.
+    pub fn open(head: Vec<u8>, input: Metered) -> Result<CsvSource, Error> {
         let meter = input.clone();
         let packed = head.starts_with(&[0x1f, 0x8b]);
         let mut input: Box<dyn Read + Send> = Box::new(Cursor::new(head).chain(input));
         if packed {
             input = Box::new(flate2::read::MultiGzDecoder::new(input));
         }
-        let bad = |line, message| Error::log(file.to_string(), line, message);
         let mut head = Vec::new();
         let begun = (&mut input).take(64 << 10).read_to_end(&mut head);
-        begun.map_err(|error| bad(None, unreadable(&error)))?;
+        begun.map_err(|error| Error::row(None, unreadable(&error)))?;
         let above = preamble(&head);
-        let told = delimiter(&head, above.start).map_err(|message| bad(None, message))?;
+        let told = delimiter(&head, above.start).map_err(|message| Error::row(None, message))?;
         let input = Cursor::new(head.split_off(above.start)).chain(input);
         let mut source = CsvSource {
-            file: file.to_string(),
             input: Box::new(BufReader::new(input)),
             text: Vec::new(),
             at: 0,
@@ -100,43 +99,34 @@ impl CsvSource {
             meter,
         };
         let names = source.next()?.unwrap_or_default();
-        let field = names.fields();
-        let field = field.ok_or_else(|| bad(Some(above.line), NO_TEXT.to_string()))?;
-        let header: Vec<String> = (0..names.ends.len()).map(|k| name(field(k))).collect();
-        if header.iter().all(String::is_empty) {
+        let names = names
+            .fields()
+            .map(|names| names.into_iter().map(name).collect());
+        source.header = names.ok_or_else(|| Error::row(Some(above.line), NO_TEXT))?;
+        if source.header.iter().all(String::is_empty) {
             let message = "no header row; a log starts with the names of its columns";
-            return Err(bad(Some(above.line), message.into()));
+            return Err(Error::row(Some(above.line), message));
         }
-        source.header = header;
-        source.take_units();
+        source.first = source.next()?;
+        let fields = source.first.as_ref().and_then(Row::fields);
+        // A row of units below the names becomes a part of these.
+        if let Some(names) = fields.and_then(|fields| with_units(&source.header, fields)) {
+            (source.header, source.first) = (names, None);
+        }
         Ok(source)
-    }
-
-    /// A row of units below the names becomes a part of these.
-    fn take_units(&mut self) {
-        let first = self.next();
-        let row = first.as_ref().ok().and_then(Option::as_ref);
-        let units = row.and_then(|row| {
-            let fields = row.fields()?;
-            with_units(&self.header, (0..row.ends.len()).map(&fields))
-        });
-        match units {
-            Some(names) => self.header = names,
-            None => self.first = Some(first),
-        }
     }
 
     /// The next row that is not blank; none at the end. A line without an end has one here, and
     /// no row is endless, since an open quote could swallow the whole file.
     fn next(&mut self) -> Result<Option<Row>, Error> {
         if let Some(first) = self.first.take() {
-            return first;
+            return Ok(Some(first));
         }
         let (mut row, mut written, mut fields, mut size) = (Row::default(), 0, 0, 0);
         loop {
             if self.at == self.text.len() {
                 let read = self.next_line();
-                read.map_err(|error| self.error((self.lines + 1, unreadable(&error))))?;
+                read.map_err(|error| Error::row(Some(self.lines + 1), unreadable(&error)))?;
             }
             // Blank lines are no part of a row.
             if written + fields == 0 {
@@ -165,7 +155,7 @@ impl CsvSource {
                         "a row of more than {} MiB; is a quote left open, or is this no log?",
                         LONGEST_ROW >> 20
                     );
-                    return Err(self.error((row.line, message)));
+                    return Err(Error::row(Some(row.line), message));
                 }
                 _ => {}
             }
@@ -200,7 +190,7 @@ impl CsvSource {
                 let message = format!(
                     "{fields} fields where the header has {expected}; the row is ragged or cut off"
                 );
-                return Err(self.error((row.line, message)));
+                return Err(Error::row(Some(row.line), message));
             }
             // Columns may be many, and all of their fields empty.
             bytes += row.text.len() + fields * size_of::<usize>();
@@ -218,23 +208,19 @@ impl CsvSource {
         let part = rows.len().div_ceil(PARTS).max(1);
         let parts = by_parts(0..rows.len(), part, |part| parse_rows(columns, &rows[part]));
         for part in parts {
-            let (poses, numbers) = part.map_err(|fault| self.error(fault))?;
+            let (poses, numbers) = part?;
             raw.pose.extend(poses);
-            raw.numbers.extend(numbers);
+            let columns = raw.numbers.iter_mut().zip(numbers);
+            columns.for_each(|(to, numbers)| to.extend(numbers));
         }
         raw.line.extend(rows.iter().map(|row| row.line));
         if let Some(k) = columns.support {
-            let names = rows.iter().filter_map(|row| Some(row.fields()?(k).trim()));
-            for name in names {
-                let link = repeated(raw.support.last(), name);
+            for fields in rows.iter().filter_map(Row::fields) {
+                let link = repeated(raw.support.last(), fields[k].trim());
                 raw.support.push(link);
             }
         }
         Ok(())
-    }
-
-    fn error(&self, (line, message): Fault) -> Error {
-        Error::log(self.file.clone(), Some(line), message)
     }
 }
 
@@ -268,7 +254,7 @@ impl RowSource for CsvSource {
         let mut more = end > self.bytes;
         while more && self.bytes <= end {
             let passed = self.input.skip_until(b'\n');
-            let n = passed.map_err(|error| self.error((self.lines + 1, unreadable(&error))))?;
+            let n = passed.map_err(|error| Error::row(Some(self.lines + 1), unreadable(&error)))?;
             more = n > 0;
             self.bytes += n as u64;
             self.lines += u64::from(more);
@@ -320,7 +306,8 @@ pub(super) fn preamble(head: &[u8]) -> Preamble {
             _ if bare.is_empty() && more => {}
             _ => {
                 // Above numbers the names stand in the last of the marked lines.
-                let marked = marked.filter(|_| is_row_of_numbers(bare));
+                let fields = bare.split([',', ';', '\t', ' ']).map(str::trim);
+                let marked = marked.filter(|_| are_numbers(fields));
                 let (start, line) = marked.unwrap_or((at, line));
                 return Preamble {
                     start,
@@ -342,12 +329,6 @@ fn first_line(head: &[u8], at: usize) -> (&str, usize) {
     let both = rest[end..].starts_with(b"\r\n");
     let next = (end + 1 + usize::from(both)).min(rest.len());
     (str::from_utf8(&rest[..end]).unwrap_or("?"), at + next)
-}
-
-fn is_row_of_numbers(line: &str) -> bool {
-    let fields = line.split([',', ';', '\t', ' ']).map(str::trim);
-    let mut fields = fields.filter(|field| !field.is_empty()).peekable();
-    fields.peek().is_some() && fields.all(|field| field.parse::<f64>().is_ok())
 }
 
 /// A column's name, without the marks and quotes that programs put around it.
@@ -399,25 +380,22 @@ const PARTS: usize = 4;
 
 const NO_TEXT: &str = "not text; is this a CSV file in UTF-8?";
 
-/// What is wrong with a row, and its line.
-type Fault = (u64, String);
-
 /// Poses and numbers of rows.
-fn parse_rows(columns: &Columns, rows: &[Row]) -> Result<(Vec<i64>, Vec<f64>), Fault> {
+fn parse_rows(columns: &Columns, rows: &[Row]) -> Result<(Vec<i64>, Vec<Vec<f64>>), Error> {
     let mut poses = Vec::new();
-    let mut numbers = Vec::with_capacity(rows.len() * columns.numbers.len());
+    let mut numbers = vec![Vec::with_capacity(rows.len()); columns.numbers.len()];
     for row in rows {
         let mut parse = || -> Result<(), String> {
-            let field = row.fields().ok_or(NO_TEXT)?;
+            let fields = row.fields().ok_or(NO_TEXT)?;
             if let Some(k) = columns.pose {
-                poses.push(pose(field(k).trim())?);
+                poses.push(pose(fields[k].trim())?);
             }
-            for (&k, name) in columns.numbers.iter().zip(&columns.names) {
-                numbers.push(number(field(k), name)?);
+            for (own, to) in columns.numbers.iter().zip(&mut numbers) {
+                to.push(number(fields[own.column], &own.name)?);
             }
             Ok(())
         };
-        parse().map_err(|message| (row.line, message))?;
+        parse().map_err(|message| Error::row(Some(row.line), message))?;
     }
     Ok((poses, numbers))
 }
@@ -458,14 +436,13 @@ fn number(text: &str, column: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
     use crate::logs::input::Place;
-    use crate::logs::table::Shared;
 
     #[test]
     fn empty_fields_fill_a_batch() {
         let row = ",".repeat(19_999) + "\n";
-        let place = Place::Bytes(Shared::new(format!("a{}", row.repeat(50))));
-        let input = Metered::open(&place, "f").unwrap();
-        let mut source = CsvSource::open("f", Vec::new(), input).unwrap();
+        let place = Place::Bytes(format!("a{}", row.repeat(50)).into());
+        let input = Metered::open(&place).unwrap();
+        let mut source = CsvSource::open(Vec::new(), input).unwrap();
         assert!(source.take_rows(40).unwrap());
         assert!(source.rows.len() < 10, "{}", source.rows.len());
     }

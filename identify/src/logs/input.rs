@@ -6,11 +6,12 @@ use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use bytes::Bytes;
 use sesc_model::files::Stamp;
 use twox_hash::XxHash64;
 
 use super::settings::Sidecar;
-use super::table::{Shared, Table};
+use super::table::Table;
 use crate::{Error, Message};
 
 /// A posture log that can be opened, as often as needed.
@@ -50,17 +51,14 @@ const LONGEST_PIPE: u64 = 1 << 29;
 #[derive(Debug, Clone)]
 pub(super) enum Place {
     File(PathBuf),
-    Bytes(Shared<u8>),
+    Bytes(Bytes),
     Table(Arc<Table>),
 }
 
 impl LogSource {
     /// The bytes of a log file of any format; `name` stands for the file in messages.
-    pub fn bytes(
-        name: impl Into<String>,
-        bytes: impl AsRef<[u8]> + Send + Sync + 'static,
-    ) -> LogSource {
-        LogSource::at(name.into(), Place::Bytes(Shared::new(bytes)))
+    pub fn bytes(name: impl Into<String>, bytes: impl AsRef<[u8]> + Send + 'static) -> LogSource {
+        LogSource::at(name.into(), Place::Bytes(Bytes::from_owner(bytes)))
     }
 
     fn at(name: String, place: Place) -> LogSource {
@@ -160,7 +158,7 @@ impl LogSource {
     #[doc(hidden)]
     pub fn content(&self) -> Option<&[u8]> {
         match &self.place {
-            Place::Bytes(bytes) => Some(bytes.as_ref()),
+            Place::Bytes(bytes) => Some(bytes),
             _ => None,
         }
     }
@@ -192,7 +190,7 @@ impl<P: AsRef<Path>> From<P> for LogSource {
 
 impl From<Table> for LogSource {
     fn from(table: Table) -> LogSource {
-        LogSource::at(table.name().to_string(), Place::Table(Arc::new(table)))
+        LogSource::at(table.name.clone(), Place::Table(Arc::new(table)))
     }
 }
 
@@ -213,21 +211,23 @@ pub(super) struct Metered {
 }
 
 impl Metered {
-    /// Start at the first byte of the log called `file`; of a pipe it is not known how many there
-    /// are, and a table has none.
-    pub fn open(place: &Place, file: &str) -> Result<Metered, Error> {
-        let failed = |source| Error::read(file.to_string(), source);
+    /// Start at the first byte of a log; of a pipe it is not known how many there are, and a table
+    /// has none.
+    ///
+    /// # Errors
+    /// A file that cannot be opened, as [`Error::of_log`] completes it.
+    pub fn open(place: &Place) -> Result<Metered, Error> {
         let (stream, total): (Stream, _) = match place {
             Place::File(path) => {
-                let file = File::open(path).map_err(failed)?;
+                let file = File::open(path).map_err(Error::unread)?;
                 let about = file.metadata().ok().filter(|about| about.is_file());
                 (Box::new(file), about.map(|about| about.len()))
             }
             Place::Bytes(bytes) => {
-                let count = bytes.as_ref().len() as u64;
+                let count = bytes.len() as u64;
                 (Box::new(Cursor::new(bytes.clone())), Some(count))
             }
-            Place::Table(_) => return Err(failed(io::ErrorKind::Unsupported.into())),
+            Place::Table(_) => return Err(Error::unread(io::ErrorKind::Unsupported.into())),
         };
         let read = Arc::new(Mutex::new((stream, 0, XxHash64::with_seed(0))));
         Ok(Metered { read, total })

@@ -4,7 +4,6 @@
 //! source ─▶ chunk of rows ─▶ assembler ─▶ stays ─▶ screen ─▶ block
 //! ```
 
-use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
@@ -79,6 +78,8 @@ pub(super) struct Kept {
 
 /// Rows on their way from a source to blocks.
 struct FileReader {
+    /// What messages call the log.
+    file: String,
     source: Box<dyn RowSource>,
     assembler: Assembler,
     suspicions: Suspicions,
@@ -132,34 +133,37 @@ impl PostureReader {
         options: &Options,
     ) -> Result<PostureReader, Error> {
         let log = log.into();
+        let reader = PostureReader::of_log(&log, dofs, options);
+        reader.map_err(|error| error.of_log(log.name()))
+    }
+
+    fn of_log(log: &LogSource, dofs: &[Dof], options: &Options) -> Result<PostureReader, Error> {
         let (mut sidecar, mut warnings) = log.sidecar()?;
-        let file = log.name().to_string();
         let watched = log.watched()?;
-        let mut source = open_source(&log, dofs, options, &sidecar)?;
+        let mut source = open_source(log, dofs, options, &sidecar)?;
         let line = source.names_line();
         let at = line.or(Some(1));
-        let promised = promised(&file).filter(|format| *format != PACKED && line.is_some());
+        let promised = promised(log.name()).filter(|format| *format != PACKED && line.is_some());
         let misnamed = promised.map_or(String::new(), |format| {
             format!("not {format} but text, which is read as CSV: ")
         });
-        let bad = |message: Message| Error::log(&file, at, message.after(&misnamed));
-        let header = sidecar
-            .renamed(source.header())
-            .map_err(|said| bad(said.into()))?;
+        let bad = |message: Message| Error::row(at, message.after(&misnamed));
+        let header = sidecar.renamed(source.header());
+        let header = header.map_err(|said| bad(said.into()))?;
         let angles = options.angles.or(sidecar.angles).unwrap_or(Angles::Rad);
         // A recording has the CoP of its wrenches.
         let sensors = sidecar.sensors.clone().filter(|_| !source.knows_stays());
         let sensors = sensors.unwrap_or_default();
         let columns = Columns::of(&header, dofs, (options, angles), &sensors);
         let columns = columns.map_err(|said| bad(no_names(&header).map_or(said, Message::from)))?;
-        warnings.extend(source.warnings());
-        let note = columns.note.iter();
-        warnings.extend(note.map(|note| format!("{file}: {note}").into()));
+        let mut odd = source.warnings();
+        odd.extend(columns.note.clone());
         if let (Some(given), Some(own)) = (&options.support, &sidecar.support)
             && given != own
         {
-            let said = format!("{file}: its sidecar has `{own}` on the ground; `{given}` is taken");
-            warnings.push(said.into());
+            odd.push(format!(
+                "its sidecar has `{own}` on the ground; `{given}` is taken"
+            ));
         }
         if !columns.ignored.is_empty() {
             let names = names::list(&columns.ignored);
@@ -167,21 +171,21 @@ impl PostureReader {
                 1 => ("column", "is no joint and is"),
                 _ => ("columns", "are no joints and are"),
             };
-            warnings.push(format!("{file}: {noun} {names} {verb} ignored").into());
+            odd.push(format!("{noun} {names} {verb} ignored"));
         }
         let timed = columns.t.is_some() && !source.knows_stays() && !dofs.is_empty();
-        let settling = match options.stays {
-            Stays::Alone(duration) if timed => Some(Settling::new(dofs.len(), Some(duration))),
-            Stays::Alone(_) if !source.knows_stays() => {
+        let alone = match options.stays {
+            Stays::Alone(_) if !timed && !source.knows_stays() => {
                 let message = "has no column `t`: which rows are of one stay is not known";
-                return Err(Error::log(file, Some(1), message));
+                return Err(Error::row(Some(1), message));
             }
-            Stays::Pooled if timed && columns.pose.is_none() => {
-                Some(Settling::new(dofs.len(), None))
-            }
+            Stays::Alone(duration) => Some(Some(duration)),
+            Stays::Pooled if columns.pose.is_none() => Some(None),
             _ => None,
         };
-        let mut assembler = Assembler::new(&file, columns, dofs, &sidecar, options)?;
+        let settling = alone.filter(|_| timed);
+        let settling = settling.map(|alone| Settling::new(dofs.len(), alone));
+        let mut assembler = Assembler::new(columns, dofs, &sidecar, options)?;
         assembler.both = source.both();
         if let Some(links) = &assembler.both {
             sidecar.other_foot.get_or_insert_with(|| links[1].clone());
@@ -189,8 +193,9 @@ impl PostureReader {
             sidecar.other_foot.get_or_insert(other);
             sidecar.both_feet = Some(true);
         }
-        let reader = FileReader {
-            suspicions: Suspicions::new(&file, dofs, angles),
+        let mut reader = FileReader {
+            file: log.name().to_string(),
+            suspicions: Suspicions::new(dofs, angles),
             source,
             assembler,
             raw: Raw::default(),
@@ -205,6 +210,8 @@ impl PostureReader {
             summary: Summary::default(),
             warnings: Vec::new(),
         };
+        reader.warn(odd);
+        warnings.append(&mut reader.warnings);
         Ok(PostureReader {
             origin: Origin::File(Box::new(reader)),
             screening: None,
@@ -273,7 +280,10 @@ impl PostureReader {
     /// A file that cannot be read there.
     pub(crate) fn skip(&mut self, rows: u64, then: usize) -> Result<bool, Error> {
         match &mut self.origin {
-            Origin::File(reader) => reader.skip(rows, then),
+            Origin::File(reader) => {
+                let skipped = reader.skip(rows, then);
+                skipped.map_err(|error| error.of_log(&reader.file))
+            }
             Origin::Memory(kept, next, _) => {
                 *next = kept.rows.len().min(*next + rows as usize);
                 Ok(*next < kept.rows.len())
@@ -350,12 +360,13 @@ impl FileReader {
     /// The next rows, before any is screened.
     fn block(&mut self, count: usize) -> Result<Block, Error> {
         let read = self.settled(count);
+        let read = read.map_err(|error| error.of_log(&self.file));
         // What is wrong with a file that is being written is not its fault.
         if read.as_ref().map_or(true, Block::is_empty)
             && let Some((file, stamp)) = &self.watched
         {
             let unchanged = stamp.check(file);
-            unchanged.map_err(|source| Error::read(&self.assembler.file, source))?;
+            unchanged.map_err(|source| Error::read(&self.file, source))?;
         }
         for pose in read.iter().flat_map(|block| &block.pose) {
             let last = self.last_pose.replace(*pose);
@@ -367,8 +378,8 @@ impl FileReader {
     /// The next rows, where stays count those of which it is known whether they are of one.
     fn settled(&mut self, count: usize) -> Result<Block, Error> {
         while let Some(settling) = &mut self.settling {
-            let decided = settling.take();
-            if let Some(block) = decided.map_err(|said| self.assembler.fault(None, said))? {
+            let decided = settling.take(count);
+            if let Some(block) = decided.map_err(|said| Error::row(None, said))? {
                 return Ok(block);
             }
             let block = self.rows(count)?;
@@ -378,6 +389,13 @@ impl FileReader {
             }
         }
         self.rows(count)
+    }
+
+    /// Take note of what is odd about the log.
+    fn warn(&mut self, odd: Vec<impl Into<Message>>) {
+        let file = format!("{}: ", self.file);
+        let odd = odd.into_iter().map(|said| said.into().after(&file));
+        self.warnings.extend(odd);
     }
 
     /// See [`PostureReader::skip`].
@@ -416,9 +434,8 @@ impl FileReader {
         }
         self.suspicions.see(&block);
         if block.len() < count && !std::mem::replace(&mut self.concluded, true) {
-            self.warnings.extend(self.suspicions.judge());
-            let said = self.assembler.conclude(self.summary.rows)?;
-            self.warnings.extend(said);
+            self.warn(self.suspicions.judge());
+            self.warn(self.assembler.conclude(self.summary.rows)?);
         }
         Ok(block)
     }
@@ -426,28 +443,28 @@ impl FileReader {
     /// Take the next chunk from the file; false at its end.
     fn refill(&mut self) -> Result<bool, Error> {
         let first = !std::mem::replace(&mut self.started, true);
-        self.raw.clear();
+        self.raw = Raw::new(&self.assembler.columns);
         self.given = 0;
         if !self.ended {
-            let filled = self
-                .source
-                .fill(&self.assembler.columns, self.chunk, &mut self.raw);
+            let columns = &self.assembler.columns;
+            let filled = self.source.fill(columns, self.chunk, &mut self.raw);
             if let Err(error) = filled {
                 // A faulty row is the end.
-                self.raw.clear();
+                self.raw = Raw::default();
                 self.ended = true;
                 return Err(error);
             }
             self.ended = self.raw.line.len() < self.chunk;
             self.assembler.scale(&mut self.raw);
-            self.warnings.extend(self.source.warnings());
+            let said = self.source.warnings();
+            self.warn(said);
         }
         if first {
             if self.raw.line.is_empty() {
-                return Err(self.assembler.fault(None, "no postures below the header"));
+                return Err(Error::row(None, "no postures below the header"));
             }
-            let said = self.assembler.look(&mut self.raw)?;
-            self.warnings.extend(said);
+            let said = self.assembler.look(&self.raw)?;
+            self.warn(said);
             self.settling
                 .take_if(|_| self.assembler.columns.t.is_none());
         }
@@ -460,7 +477,8 @@ impl FileReader {
 /// # Errors
 /// Files that cannot be read or are no table.
 pub fn column_names(log: &LogSource) -> Result<Vec<String>, Error> {
-    let source = open_source(log, &[], &Options::default(), &Sidecar::default())?;
+    let source = open_source(log, &[], &Options::default(), &Sidecar::default());
+    let source = source.map_err(|error| error.of_log(log.name()))?;
     Ok(source.header().to_vec())
 }
 
@@ -489,26 +507,24 @@ fn open_source(
     sidecar: &Sidecar,
 ) -> Result<Box<dyn RowSource>, Error> {
     let file = log.name();
-    let failed = |source| Error::read(file.to_string(), source);
     let place = &log.place;
     if let Place::Table(table) = place {
         return Ok(Box::new(TableSource::open(table)?));
     }
-    let wrong = |message: String| Error::log(file.to_string(), None, message);
     if let Place::File(path) = place
         && path.is_dir()
     {
-        return Err(wrong(folder(path)));
+        return Err(Error::row(None, folder(path)));
     }
-    let mut input = Metered::open(place, file)?;
+    let mut input = Metered::open(place)?;
     let mut head = Vec::new();
     let begun = (&mut input).take(8).read_to_end(&mut head);
-    begun.map_err(failed)?;
+    begun.map_err(Error::unread)?;
     if head.starts_with(b"PAR1") || head.starts_with(b"PARE") {
         #[cfg(not(feature = "parquet"))]
         return Err(Error::without("parquet", "Parquet", file));
         #[cfg(feature = "parquet")]
-        return parquet::open(place, file);
+        return parquet::open(place);
     }
     if head.starts_with(b"\x89MCAP") {
         #[cfg(not(feature = "mcap"))]
@@ -516,23 +532,12 @@ fn open_source(
         #[cfg(not(feature = "mcap"))]
         return Err(Error::without("mcap", "MCAP", file));
         #[cfg(feature = "mcap")]
-        return Ok(Box::new(McapSource::open(
-            place,
-            file,
-            dofs,
-            &Options {
-                support: options.support.clone().or_else(|| sidecar.support.clone()),
-                both_feet: options.both_feet.or(sidecar.both_feet),
-                ..options.clone()
-            },
-            [&sidecar.topic, &sidecar.joints_topic].map(Option::as_deref),
-            sidecar.sensors.as_ref().unwrap_or(&BTreeMap::new()),
-        )?));
+        return Ok(Box::new(McapSource::open(place, dofs, options, sidecar)?));
     }
     if let Some(message) = foreign(file, &head).or_else(|| damaged_from_the_start(file, &head)) {
-        return Err(wrong(message));
+        return Err(Error::row(None, message));
     }
-    Ok(Box::new(CsvSource::open(file, head, input)?))
+    Ok(Box::new(CsvSource::open(head, input)?))
 }
 
 /// The format that the name of a file promises, if it is another one than text.

@@ -63,11 +63,9 @@ impl Samples {
         watch: &mut dyn Watch,
     ) -> Result<Samples, Error> {
         let log = log.clone().unchanged()?;
-        let support = match &options.support {
-            Some(support) => Some(support.clone()),
-            None => log.sidecar()?.0.support,
-        };
-        let dofs = joints(&log, robot, options, support.as_deref())?;
+        let (sidecar, _) = log.sidecar()?;
+        let support = options.support.as_deref().or(sidecar.support.as_deref());
+        let dofs = joints(&log, robot, options, support)?;
         Samples::of_joints(&log, dofs, options, room, watch)
     }
 
@@ -158,11 +156,7 @@ impl Samples {
     /// # Errors
     /// As [`rows`](Self::rows).
     pub fn first_support(&self) -> Result<Option<Arc<str>>, Error> {
-        let reader = match &self.kept {
-            Some(kept) => PostureReader::of_rows(kept, &self.sidecar),
-            None => PostureReader::open(&self.log, &self.dofs, &self.options)?,
-        };
-        reader.first_support()
+        self.all_rows()?.first_support()
     }
 
     /// Numbers that are kept of it.

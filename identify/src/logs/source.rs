@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::block::Share;
 use super::columns::{Columns, POSE};
-use crate::{Error, Message};
+use crate::Error;
 
 /// Rows of a file before anything is made of them.
 #[derive(Debug, Clone, Default)]
@@ -17,39 +17,37 @@ pub(super) struct Raw {
     pub pose: Vec<i64>,
     /// Empty where the log has no such column.
     pub support: Vec<Arc<str>>,
-    /// Row by row, in the order of [`Columns::numbers`]. Not yet known to be
+    /// Column by column, in the order of [`Columns::numbers`]. Not yet known to be
     /// finite; a missing value is NaN.
-    pub numbers: Vec<f64>,
+    pub numbers: Vec<Vec<f64>>,
     /// The other contact of rows of both feet; empty of other logs.
     pub other: Vec<Share>,
 }
 
 impl Raw {
-    /// Number `k` of each row, of `width` a row.
-    pub fn column(&mut self, k: usize, width: usize) -> impl Iterator<Item = &mut f64> {
-        self.numbers.iter_mut().skip(k).step_by(width)
+    /// No rows yet, of these columns.
+    pub fn new(columns: &Columns) -> Raw {
+        Raw {
+            numbers: vec![Vec::new(); columns.numbers.len()],
+            ..Raw::default()
+        }
     }
 
-    /// Append the poses of rows from `line` of the log called `file` on, as numbers.
+    /// The numbers of a row.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = f64> {
+        self.numbers.iter().map(move |column| column[row])
+    }
+
+    /// Append the poses of rows from `line` on, as numbers.
     ///
     /// # Errors
     /// The first row whose pose is not whole.
-    pub fn poses(&mut self, file: &str, line: u64, values: Vec<f64>) -> Result<(), Error> {
+    pub fn poses(&mut self, line: u64, values: Vec<f64>) -> Result<(), Error> {
         for (line, value) in (line..).zip(values) {
-            let pose = whole(value);
-            self.pose
-                .push(pose.map_err(|said| Error::log(file.to_string(), Some(line), said))?);
+            let pose = whole(value).map_err(|said| Error::row(Some(line), said))?;
+            self.pose.push(pose);
         }
         Ok(())
-    }
-
-    /// Forget all rows, keeping the room for them.
-    pub fn clear(&mut self) {
-        self.line.clear();
-        self.pose.clear();
-        self.support.clear();
-        self.numbers.clear();
-        self.other.clear();
     }
 }
 
@@ -67,7 +65,15 @@ pub(super) trait RowSource: Send {
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error>;
 
     /// Pass over about `rows` rows without a look at them.
-    fn skip(&mut self, columns: &Columns, rows: u64) -> Result<(), Error>;
+    fn skip(&mut self, columns: &Columns, mut rows: u64) -> Result<(), Error> {
+        while rows > 0 {
+            let mut raw = Raw::new(columns);
+            self.fill(columns, rows.min(1 << 12) as usize, &mut raw)?;
+            let taken = raw.line.len() as u64;
+            rows = if taken == 0 { 0 } else { rows - taken };
+        }
+        Ok(())
+    }
 
     /// Whether rows are of stretches in which the robot held still already.
     fn knows_stays(&self) -> bool {
@@ -83,7 +89,7 @@ pub(super) trait RowSource: Send {
     fn progress(&self) -> (u64, Option<u64>);
 
     /// What is odd so far; drained by the call.
-    fn warnings(&mut self) -> Vec<Message> {
+    fn warnings(&mut self) -> Vec<String> {
         Vec::new()
     }
 

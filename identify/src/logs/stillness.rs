@@ -14,8 +14,6 @@
 //! Rows wait until their stretch has ended, which the cutter ends after a bounded number of rows.
 //! The others are of no stay: each is a posture of its own, or is left out.
 
-use std::collections::VecDeque;
-
 use super::block::Block;
 use super::settings::StillnessLimits;
 
@@ -68,7 +66,10 @@ impl<R> StillnessCutter<R> {
     /// All joints at time `t`, and the fastest velocity that was measured;
     /// gives back the posture that ended.
     pub fn state(&mut self, t: f64, q: &[f64], speed: f64) -> Option<Posture<R>> {
-        let (limit, duration) = (self.stillness.speed, self.stillness.duration);
+        let StillnessLimits {
+            speed: limit,
+            duration,
+        } = self.stillness;
         let slow = speed <= limit && q.iter().all(|q| q.is_finite());
         if let Some(now) = self.now.as_mut().filter(|_| slow) {
             let near = |(q, r): (&f64, &f64)| (q - r).abs() <= limit * duration;
@@ -111,12 +112,11 @@ impl<R> StillnessCutter<R> {
         }
         let long = now.is_held(self.stillness) && now.confirmed > 0;
         let part = now.part();
-        now.readings.clear();
         now.confirmed = 0;
-        if long {
+        long.then(|| {
             self.next_pose = part.pose + 1;
-        }
-        long.then_some(part)
+            part
+        })
     }
 
     /// The recording or the posture ends.
@@ -162,10 +162,9 @@ impl<R> Current<R> {
     fn part(&mut self) -> Posture<R> {
         let mut readings = std::mem::take(&mut self.readings);
         readings.truncate(self.confirmed);
-        let states = self.states.max(1) as f64;
         let q = match self.states {
             0 => self.reference.clone(),
-            _ => self.sum.iter().map(|sum| sum / states).collect(),
+            states => self.sum.iter().map(|sum| sum / states as f64).collect(),
         };
         self.sum.fill(0.0);
         self.states = 0;
@@ -191,11 +190,12 @@ pub(super) struct Settling {
     cutter: StillnessCutter<usize>,
     /// Leave out rows of no stay, which lasts so many seconds.
     alone: Option<f64>,
-    /// Blocks that wait, each with whether its rows are of a stay.
-    waiting: VecDeque<(Block, Vec<bool>)>,
-    /// Numbers of the first row that waits and of the next to come.
+    /// Rows that wait, and whether each is of a stay.
+    waiting: Block,
+    held: Vec<bool>,
+    /// Number of the first of them, and how many were given out.
     first: usize,
-    next: usize,
+    given: usize,
     /// The stay of the last posture that was found, and the `pose` of its rows.
     last: Option<(i64, i64)>,
     /// Stays so far.
@@ -213,9 +213,10 @@ impl Settling {
             dof,
             cutter: StillnessCutter::new(limits),
             alone,
-            waiting: VecDeque::new(),
+            waiting: Block::default(),
+            held: Vec::new(),
             first: 0,
-            next: 0,
+            given: 0,
             last: None,
             stays: 0,
             ended: false,
@@ -230,34 +231,34 @@ impl Settling {
             self.ended = true;
             return;
         }
-        let held = vec![false; block.len()];
+        if self.given > 0 {
+            self.waiting = self.waiting.select(self.given..self.held.len());
+            self.held.drain(..self.given);
+            self.first += std::mem::take(&mut self.given);
+        }
         let (t, q) = (block.t.clone().unwrap_or_default(), block.q.clone());
-        self.waiting.push_back((block, held));
-        for (t, q) in t.iter().zip(q.chunks_exact(self.dof)) {
-            let ended = self.cutter.row(*t, q, self.next);
-            self.next += 1;
+        let next = self.first + self.held.len();
+        self.held.resize(self.held.len() + block.len(), false);
+        self.waiting.append(block);
+        for (row, (t, q)) in (next..).zip(t.iter().zip(q.chunks_exact(self.dof))) {
+            let ended = self.cutter.row(*t, q, row);
             self.keep(ended);
         }
     }
 
-    /// The next block, once it is known of each of its rows whether it is of a stay; an empty one
+    /// The next rows of which it is known whether they are of a stay, `count` at most; an empty block
     /// at the end of the log.
     ///
     /// # Errors
     /// What is said of a log without stays, where they alone were asked for.
-    pub fn take(&mut self) -> Result<Option<Block>, String> {
+    pub fn take(&mut self, count: usize) -> Result<Option<Block>, String> {
         let open = self.cutter.first().filter(|_| !self.ended);
-        let decided = open.copied().unwrap_or(self.next);
-        let is_decided = |first: usize, waiting: Option<&(Block, Vec<bool>)>| {
-            waiting.is_some_and(|(block, _)| first + block.len() <= decided)
-        };
-        while is_decided(self.first, self.waiting.front())
-            && let Some((mut block, held)) = self.waiting.pop_front()
-        {
-            self.first += block.len();
-            if self.alone.is_some() {
-                block.retain(&held);
-            }
+        let decided = open.map_or(self.held.len(), |open| open - self.first);
+        while self.given < decided {
+            let end = decided.min(self.given.saturating_add(count));
+            let is_kept = |row: &usize| self.alone.is_none() || self.held[*row];
+            let block = self.waiting.select((self.given..end).filter(is_kept));
+            self.given = end;
             if !block.is_empty() {
                 return Ok(Some(block));
             }
@@ -276,18 +277,13 @@ impl Settling {
         let known = self.last.filter(|(stay, _)| *stay == posture.pose);
         self.stays += usize::from(known.is_none());
         let mut pose = known.map(|(_, pose)| pose);
-        let (mut rows, mut start) = (posture.readings.iter().peekable(), self.first);
-        for (block, held) in &mut self.waiting {
-            let end = start + held.len();
-            while let Some(row) = rows.next_if(|row| **row < end) {
-                let at = row - start;
-                block.pose[at] = *pose.get_or_insert(block.pose[at]);
-                held[at] = true;
-                if self.alone.is_some() {
-                    block.q[at * self.dof..(at + 1) * self.dof].copy_from_slice(&posture.q);
-                }
+        for row in posture.readings {
+            let at = row - self.first;
+            self.waiting.pose[at] = *pose.get_or_insert(self.waiting.pose[at]);
+            self.held[at] = true;
+            if self.alone.is_some() {
+                self.waiting.q[at * self.dof..(at + 1) * self.dof].copy_from_slice(&posture.q);
             }
-            start = end;
         }
         self.last = pose.map(|pose| (posture.pose, pose));
     }
@@ -366,7 +362,7 @@ mod tests {
 
     /// The blocks of which it is known by now.
     fn decided(settling: &mut Settling) -> Vec<Block> {
-        let next = || settling.take().ok().flatten();
+        let next = || settling.take(usize::MAX).ok().flatten();
         let next = std::iter::from_fn(next);
         next.take_while(|block| !block.is_empty()).collect()
     }

@@ -24,8 +24,8 @@ use super::settings::{Angles, IN_DEGREES, OR_SIDECAR};
 use crate::{Message, Setting, message};
 
 /// Statistics of a log.
+#[derive(Default)]
 pub(super) struct Suspicions {
-    file: String,
     joints: Vec<Joint>,
     /// From rad back to the unit of the file.
     per_rad: f64,
@@ -119,21 +119,16 @@ impl Joint {
 }
 
 impl Suspicions {
-    pub fn new(file: &str, dofs: &[Dof], angles: Angles) -> Suspicions {
+    pub fn new(dofs: &[Dof], angles: Angles) -> Suspicions {
         Suspicions {
-            file: file.to_string(),
             joints: dofs.iter().map(Joint::new).collect(),
             per_rad: match angles {
                 Angles::Deg => 180.0 / PI,
                 Angles::Rad => 1.0,
             },
-            rows: 0,
-            readings: 0,
-            reach: 0.0,
             ends: [f64::INFINITY, f64::NEG_INFINITY],
             last_t: f64::NAN,
-            backwards: None,
-            shared: 0,
+            ..Suspicions::default()
         }
     }
 
@@ -163,7 +158,7 @@ impl Suspicions {
     }
 
     /// What was noticed.
-    pub fn judge(&self) -> impl Iterator<Item = Message> {
+    pub fn judge(&self) -> Vec<Message> {
         let backwards = self.backwards.map(|line| {
             format!("row {line}: `{T}` runs backwards; sort the log by time if it is one motion")
         });
@@ -172,9 +167,7 @@ impl Suspicions {
         let of_columns = [self.swapped(), self.millimetres(), backwards];
         let said = of_columns.into_iter().chain(of_time).flatten();
         let of_angles = [self.degrees(), self.radians()].into_iter().flatten();
-        let file = format!("{}: ", self.file);
-        let found = of_angles.chain(said.map(Message::from));
-        found.map(move |found| found.after(&file))
+        of_angles.chain(said.map(Message::from)).collect()
     }
 
     fn revolute(&self) -> impl Iterator<Item = &Joint> {
@@ -233,11 +226,10 @@ impl Suspicions {
             let exchanged = |other: &&Joint| {
                 !std::ptr::eq(*other, stray) && other.fits(stray) && stray.fits(other)
             };
-            let partners: Vec<&Joint> = self.joints.iter().filter(exchanged).collect();
+            let mut partners = self.joints.iter().filter(exchanged);
             // One candidate is a finding, several are a guess.
-            let fits = match partners[..] {
-                [] => return None,
-                [one] => format!(", but fits `{}`, and the other way round", one.name),
+            let fits = match (partners.next()?, partners.next()) {
+                (one, None) => format!(", but fits `{}`, and the other way round", one.name),
                 _ => String::new(),
             };
             let own = &stray.name;
@@ -359,7 +351,7 @@ mod tests {
         for (dof, (lower, upper)) in joints.iter_mut().zip(limits) {
             (dof.lower, dof.upper) = (*lower, *upper);
         }
-        let mut suspicions = Suspicions::new("f", &joints, angles);
+        let mut suspicions = Suspicions::new(&joints, angles);
         suspicions.see(&Block {
             line: vec![0; rows.len()],
             q: rows
@@ -369,7 +361,7 @@ mod tests {
                 .collect(),
             ..Block::default()
         });
-        let said = suspicions.judge().map(|said| said.to_string());
+        let said = suspicions.judge().into_iter().map(|said| said.to_string());
         // Rows of these tests follow each other and have no times.
         let said = said.filter(|said| !said.contains("motion is not counted"));
         said.collect::<Vec<_>>().join("\n")
@@ -396,7 +388,7 @@ mod tests {
 
     /// A log of the joints without any rows yet.
     fn stamps(joints: &[&str]) -> Suspicions {
-        Suspicions::new("f", &dofs(joints), Angles::Rad)
+        Suspicions::new(&dofs(joints), Angles::Rad)
     }
 
     /// A row of a log.

@@ -98,7 +98,15 @@ impl Factor {
 
     /// Fold in the rows of another factor with the same parameters.
     pub fn merge(&mut self, other: &Factor) {
-        fold(&mut self.triangle, other.triangle.clone());
+        let order = other.triangle.ncols();
+        let blocks = order.div_ceil(8);
+        let mut rows = vec![F64x8::splat(0.0); order * blocks];
+        let columns = other.triangle.column_iter();
+        for (column, own) in columns.zip(rows.chunks_exact_mut(blocks)) {
+            let places = own.iter_mut().flat_map(|block| &mut block.0);
+            places.zip(&column).for_each(|(place, x)| *place = *x);
+        }
+        Simd::best().fold_rows(self.triangle.as_mut_slice(), &mut rows);
         self.rows += other.rows;
     }
 
@@ -154,61 +162,6 @@ impl Factor {
 
 /// Blocks of eight rows that are folded in together: they stay in the first cache.
 const BLOCKS: usize = 8;
-
-/// Fold the rows of another triangle into a triangle, column by column.
-///
-/// ```text
-/// x = (T_jj, B_·j)    v = x ± ‖x‖ e_1    [T; B] ← [T; B] − v (vᵀ [T; B]) / (‖x‖ (‖x‖ + |x_1|))
-/// ```
-///
-/// Below T_jj the triangle has no entry, so that reflections leave its other rows alone, and
-/// need rows 0 to j of the other triangle alone.
-fn fold(triangle: &mut DMatrix<f64>, mut below: DMatrix<f64>) {
-    let order = triangle.ncols();
-    let (top, rows) = (triangle.as_mut_slice(), below.as_mut_slice());
-    for j in 0..order {
-        let (done, rest) = rows.split_at_mut((j + 1) * order);
-        let end = j + 1;
-        let v = &done[j * order..j * order + end];
-        let first = top[j * order + j];
-        let square = first * first + dot(v, v);
-        // Nothing is left in this column: of fewer rows than columns each reflection leaves the
-        // rounding of the one before, until a float cannot hold one over it.
-        if square < 1e-300 {
-            continue;
-        }
-        let size = square.sqrt();
-        // Away from the first entry, so that no digits cancel.
-        let diagonal = if first > 0.0 { -size } else { size };
-        let v_first = first - diagonal;
-        let scale = 1.0 / (size * (size + first.abs()));
-        top[j * order + j] = diagonal;
-        for (k, column) in (j + 1..order).zip(rest.chunks_exact_mut(order)) {
-            let (at, column) = (k * order + j, &mut column[..end]);
-            let along = scale * (v_first * top[at] + dot(v, column));
-            top[at] -= along * v_first;
-            column.iter_mut().zip(v).for_each(|(x, v)| *x -= along * v);
-        }
-        // Each row has a sign of its choice: the diagonal is not negative.
-        if diagonal < 0.0 {
-            (j..order).for_each(|k| top[k * order + j] = -top[k * order + j]);
-        }
-    }
-}
-
-/// Σ a_i b_i in eight sums, which a processor adds up side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (a, a_rest) = a.as_chunks::<8>();
-    let (b, b_rest) = b.as_chunks::<8>();
-    let mut sums = [0.0; 8];
-    for (a, b) in a.iter().zip(b) {
-        for k in 0..8 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
-}
 
 /// A factor as it is written down.
 #[derive(Serialize, Deserialize)]

@@ -21,11 +21,12 @@
 //!
 //! Postures along a trajectory, on a grid or drawn at random have no such gap.
 
-use super::criteria::repeats::{APART, FEWEST, REACHED};
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 
-use crate::logs::BLOCK;
+use super::criteria::repeats::{APART, FEWEST, REACHED};
+use super::repeats::Group;
+use crate::logs::Block;
 
 /// Postures known at a time: some 45 MB for 20 joints.
 pub const MOST: usize = 200_000;
@@ -45,11 +46,13 @@ type Name = (i64, u32);
 
 /// What is kept of a posture.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Posture<T> {
+pub struct Posture {
     /// What deals its rows to their fold.
     pub key: i64,
-    /// The caller's own; its default in the first row.
-    pub own: T,
+    /// How many postures began before it.
+    pub number: usize,
+    /// Its readings.
+    pub group: Group,
     /// Times that rows came back to it, the first included.
     pub visits: u32,
     /// Number of its last row, less whole turns of its counter.
@@ -59,72 +62,52 @@ pub struct Posture<T> {
     support: u32,
 }
 
-/// Where a robot stands in a posture.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Stance<'g> {
-    /// Link on the ground; empty where the log does not say.
-    pub support: &'g str,
-    /// Mean of its joint positions, rad or m.
-    pub q: Vec<f64>,
-    /// Direction of gravity.
-    pub gravity: [f64; 3],
-}
-
 /// Postures that rows may come back to.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grouping<T> {
+pub struct Grouping {
     most: usize,
     /// Joint positions may be degrees that are taken for radians.
     any_unit: bool,
     /// The largest `pose` among them: beyond it no posture is known, and none is looked for.
     largest: i64,
-    pieces: Vec<Piece<T>>,
+    /// Those that are known in the order of their first rows, and the last one for which there was
+    /// no room.
+    postures: Vec<Posture>,
+    /// Joints and the direction of gravity in the first row of each posture, rad or m.
+    at: Vec<f32>,
     /// Their means over the rows of each of the first [`LOOKED`] postures.
     mean: Vec<f32>,
     /// The last posture for which there was no room: its number is one beyond the others'.
     last: Option<Name>,
     /// Links on the ground, each with the numbers of its postures by their `pose`.
     supports: Vec<(String, HashMap<i64, u32>)>,
+    /// Postures that began, also those for which there was no room.
+    begun: usize,
     /// Rows whose robot had moved although their `pose` was known.
     moved: u64,
     /// Rows so far, as [`Posture::last_row`].
     rows: u32,
 }
 
-/// Some postures, in the order of their first rows.
-#[derive(Debug, Clone, PartialEq)]
-struct Piece<T> {
-    postures: Vec<Posture<T>>,
-    /// Joints and the direction of gravity in the first row of each posture, rad or m.
-    at: Vec<f32>,
-}
-
-/// Whether a row belongs to a posture that is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Visit {
-    /// Or the first one of its posture.
-    Same,
-    /// The `pose` is known, but the robot stood otherwise.
-    Moved,
-}
-
-impl<T: Default> Default for Grouping<T> {
-    fn default() -> Grouping<T> {
+impl Default for Grouping {
+    fn default() -> Grouping {
         Grouping::up_to(MOST)
     }
 }
 
-impl<T: Default> Grouping<T> {
+impl Grouping {
     /// At most `most` known at a time.
-    pub fn up_to(most: usize) -> Grouping<T> {
+    pub fn up_to(most: usize) -> Grouping {
         Grouping {
             most,
             any_unit: false,
             largest: i64::MIN,
-            pieces: Vec::new(),
+            postures: Vec::new(),
+            at: Vec::new(),
             mean: Vec::new(),
             last: None,
             supports: Vec::new(),
+            begun: 0,
             moved: 0,
             rows: 0,
         }
@@ -132,9 +115,9 @@ impl<T: Default> Grouping<T> {
 
     /// For a log whose unit is in question: beyond a whole turn, joint positions are
     /// compared as degrees.
-    pub fn of_any_unit() -> Grouping<T> {
+    pub fn of_any_unit(any_unit: bool) -> Grouping {
         Grouping {
-            any_unit: true,
+            any_unit,
             ..Grouping::default()
         }
     }
@@ -166,81 +149,71 @@ impl<T: Default> Grouping<T> {
         (pose, support): (i64, &str),
         q: &[f64],
         gravity: [f64; 3],
-    ) -> (&mut Posture<T>, Visit) {
+    ) -> &mut Posture {
         let name = (pose, self.number(support));
         self.rows = self.rows.wrapping_add(1);
-        let row = self.rows;
         let down = direction(gravity);
         let values = || q.iter().chain(&down).map(|&x| x as f32);
         let width = q.len() + down.len();
-        let most = self.most;
         let known = (pose <= self.largest).then(|| self.supports[name.1 as usize].1.get(&pose));
         let known = known.flatten().map(|number| *number as usize);
-        let number = known.or_else(|| self.last.filter(|last| *last == name).map(|_| most));
-        let mut new = Posture {
-            key: pose,
-            own: T::default(),
-            visits: 1,
-            last_row: row,
-            rows: 1,
-            support: name.1,
-        };
-        let mut visit = Visit::Same;
-        if let Some(number) = number {
-            let (at, k) = (number / BLOCK, number % BLOCK);
-            let first = &self.pieces[at].at[k * width..(k + 1) * width];
+        let is_last = self.last == Some(name);
+        let known = known.or_else(|| is_last.then_some(self.most));
+        let mut key = pose;
+        if let Some(known) = known {
+            let first = &self.at[known * width..(known + 1) * width];
             let degrees = self.any_unit && first.iter().any(|a| a.abs() > TAU);
             let jitter = if degrees { JITTER.to_degrees() } else { JITTER };
-            if !first
-                .iter()
-                .zip(values())
-                .any(|(a, b)| (a - b).abs() > jitter)
-            {
-                let posture = &mut self.pieces[at].postures[k];
-                posture.visits += u32::from(posture.last_row.wrapping_add(1) != row);
-                posture.last_row = row;
+            let mut pairs = first.iter().zip(values());
+            if !pairs.any(|(a, b)| (a - b).abs() > jitter) {
+                let posture = &mut self.postures[known];
+                posture.visits += u32::from(posture.last_row.wrapping_add(1) != self.rows);
+                posture.last_row = self.rows;
                 posture.rows = posture.rows.saturating_add(1);
                 let rows = posture.rows as f32;
-                let mean = self.mean.iter_mut().skip(number * width).take(width);
+                let mean = self.mean.iter_mut().skip(known * width).take(width);
                 mean.zip(values()).for_each(|(m, x)| *m += (x - *m) / rows);
-                return (posture, visit);
+                return posture;
             }
             self.moved += 1;
             // A fold of its own: as good as drawn, and not that of the other posture.
-            new.key = pose.wrapping_add((self.moved as i64).wrapping_mul(0x5851_f42d));
-            visit = Visit::Moved;
-            if self.len() >= most {
-                let piece = &mut self.pieces[at];
-                let pairs = piece.at[k * width..].iter_mut().zip(values());
-                pairs.for_each(|(to, from)| *to = from);
-                piece.postures[k] = new;
-                return (&mut piece.postures[k], visit);
+            key = pose.wrapping_add((self.moved as i64).wrapping_mul(0x5851_f42d));
+        }
+        // Where there is no room it takes the place of the posture of its name, or of the last one.
+        let is_full = self.postures.len() >= self.most;
+        let place = known.filter(|_| is_full).unwrap_or_else(|| {
+            let place = self.postures.len().min(self.most);
+            match is_full {
+                true => self.last = Some(name),
+                false => {
+                    self.supports[name.1 as usize].1.insert(pose, place as u32);
+                    self.largest = self.largest.max(pose);
+                }
             }
-        }
-        let number = self.len().min(most);
-        if number < most {
-            self.supports[name.1 as usize].1.insert(pose, number as u32);
-            self.largest = self.largest.max(pose);
+            if place < LOOKED.min(self.most) {
+                self.mean.extend(values());
+            }
+            place
+        });
+        let new = Posture {
+            key,
+            number: self.begun,
+            group: Group::default(),
+            visits: 1,
+            last_row: self.rows,
+            rows: 1,
+            support: name.1,
+        };
+        self.begun += 1;
+        if place < self.postures.len() {
+            self.postures[place] = new;
+            let at = self.at[place * width..].iter_mut();
+            at.zip(values()).for_each(|(to, from)| *to = from);
         } else {
-            self.last = Some(name);
+            self.postures.push(new);
+            self.at.extend(values());
         }
-        if number < LOOKED.min(most) {
-            self.mean.extend(values());
-        }
-        let k = number % BLOCK;
-        if number / BLOCK == self.pieces.len() {
-            self.pieces.push(Piece {
-                postures: Vec::new(),
-                at: Vec::new(),
-            });
-        }
-        let piece = &mut self.pieces[number / BLOCK];
-        // The last posture for which there was no room gives way to this one.
-        piece.postures.truncate(k);
-        piece.at.truncate(k * width);
-        piece.at.extend(values());
-        piece.postures.push(new);
-        (&mut piece.postures[k], visit)
+        &mut self.postures[place]
     }
 
     /// Supports are few, rows are many.
@@ -252,54 +225,44 @@ impl<T: Default> Grouping<T> {
         });
         at as u32
     }
-}
-
-impl<T> Grouping<T> {
-    /// Postures that are known, and the last one for which there was no room.
-    fn len(&self) -> usize {
-        let last = self.pieces.last();
-        last.map_or(0, |last| {
-            (self.pieces.len() - 1) * BLOCK + last.postures.len()
-        })
-    }
 
     /// A posture by the order of first rows.
-    pub fn posture(&self, k: usize) -> &Posture<T> {
-        &self.pieces[k / BLOCK].postures[k % BLOCK]
-    }
-
-    fn postures(&self) -> impl Iterator<Item = &Posture<T>> {
-        self.pieces.iter().flat_map(|piece| &piece.postures)
+    pub fn posture(&self, k: usize) -> &Posture {
+        &self.postures[k]
     }
 
     /// Whether each posture has several rows, so that a log that is dense in time is one of stays
     /// alone.
     pub fn is_of_stays(&self) -> bool {
-        self.postures().all(|posture| posture.rows > 1)
+        self.postures.iter().all(|posture| posture.rows > 1)
     }
 
-    /// Where the robot stands in each posture, of at most [`LOOKED`].
-    pub fn stances(&self) -> Vec<Stance<'_>> {
-        let each = self.mean.chunks_exact(self.width()).zip(self.postures());
-        each.map(|(mean, posture)| {
-            let mean: Vec<f64> = mean.iter().map(|x| f64::from(*x)).collect();
-            let (q, [x, y]) = mean.split_last_chunk().expect("gravity is there");
-            Stance {
-                support: &self.supports[posture.support as usize].0,
-                q: q.to_vec(),
-                gravity: [*x, *y, -(1.0 - x * x - y * y).max(0.0).sqrt()],
-            }
-        })
-        .collect()
+    /// Where the robot stands in each posture, of at most [`LOOKED`]: means of its joint positions,
+    /// and the direction of gravity.
+    pub fn stances(&self) -> Block {
+        let width = self.width();
+        let mut block = Block::default();
+        let (mut supports, mut gravity) = (Vec::new(), Vec::new());
+        for (mean, posture) in self.mean.chunks_exact(width).zip(&self.postures) {
+            let mean = mean.iter().map(|x| f64::from(*x));
+            block.line.push(0);
+            block.q.extend(mean.clone().take(width - 2));
+            supports.push(self.supports[posture.support as usize].0.as_str().into());
+            let down: Vec<f64> = mean.skip(width - 2).collect();
+            let [x, y] = [down[0], down[1]];
+            gravity.push([x, y, -(1.0 - x * x - y * y).max(0.0).sqrt()]);
+        }
+        block.support = Some(supports);
+        block.gravity = Some(gravity);
+        block
     }
 
     /// Of each posture the first one that it is a visit of, itself where it was not reached
     /// before; none where none was, as far as their joint positions show. A posture that follows
     /// its like is not reached again.
     pub fn reached_again(&self) -> Option<Vec<usize>> {
-        let n = self.len();
-        let mut at = self.pieces.iter().flat_map(|piece| &piece.at);
-        let in_degrees = self.any_unit && at.any(|x| x.abs() > TAU);
+        let n = self.postures.len();
+        let in_degrees = self.any_unit && self.at.iter().any(|x| x.abs() > TAU);
         if n >= LOOKED.min(self.most) || in_degrees {
             return None;
         }
@@ -336,14 +299,13 @@ impl<T> Grouping<T> {
     }
 
     fn width(&self) -> usize {
-        let first = self.pieces.first();
-        first.map_or(1, |first| first.at.len() / first.postures.len().max(1))
+        (self.at.len() / self.postures.len().max(1)).max(1)
     }
 
     /// Largest difference of joint positions or of gravity, where it is below `most`; infinite
     /// elsewhere, and on different supports.
     fn distance(&self, a: usize, b: usize, most: f32) -> f32 {
-        if self.posture(a).support != self.posture(b).support {
+        if self.postures[a].support != self.postures[b].support {
             return f32::INFINITY;
         }
         let width = self.width();
@@ -355,7 +317,7 @@ impl<T> Grouping<T> {
 
     /// Edges of the shortest tree that joins all postures, the shortest first (Prim 1957).
     fn shortest_tree(&self) -> Vec<(f32, usize, usize)> {
-        let mut open: Vec<(f32, usize, usize)> = (1..self.len())
+        let mut open: Vec<(f32, usize, usize)> = (1..self.postures.len())
             .map(|k| (self.distance(0, k, f32::INFINITY), 0, k))
             .collect();
         let mut edges = Vec::with_capacity(open.len());
@@ -403,46 +365,52 @@ pub fn moved_sentence(moved: u64) -> String {
 mod tests {
     use super::*;
 
-    fn visit(postures: &mut Grouping<()>, pose: i64, support: &str, q: f64) -> (i64, Visit) {
-        let (posture, visit) = postures.of_row((pose, support), &[q], DOWN);
-        (posture.key, visit)
+    const SAME: u64 = 0;
+    const MOVED: u64 = 1;
+
+    /// How many postures a row moves from that one knows.
+    fn moved(postures: &mut Grouping, name: (i64, &str), q: &[f64], gravity: [f64; 3]) -> u64 {
+        let before = postures.moved();
+        postures.of_row(name, q, gravity);
+        postures.moved() - before
+    }
+
+    fn visit(postures: &mut Grouping, pose: i64, support: &str, q: f64) -> (i64, u64) {
+        let moved = moved(postures, (pose, support), &[q], DOWN);
+        (postures.of_row((pose, support), &[q], DOWN).key, moved)
     }
 
     #[test]
     fn a_pose_is_one_posture_until_the_robot_moves() {
-        let mut postures = Grouping::<()>::default();
-        assert_eq!(visit(&mut postures, 7, "l", 0.5), (7, Visit::Same));
-        assert_eq!(visit(&mut postures, 8, "l", 0.1), (8, Visit::Same));
+        let mut postures = Grouping::default();
+        assert_eq!(visit(&mut postures, 7, "l", 0.5), (7, SAME));
+        assert_eq!(visit(&mut postures, 8, "l", 0.1), (8, SAME));
         // On the other foot it is another one, in the same fold.
-        assert_eq!(visit(&mut postures, 7, "r", 0.9), (7, Visit::Same));
-        assert_eq!(visit(&mut postures, 7, "l", 0.515), (7, Visit::Same));
-        let (key, moved) = visit(&mut postures, 7, "l", 0.53);
-        assert_eq!(moved, Visit::Moved);
+        assert_eq!(visit(&mut postures, 7, "r", 0.9), (7, SAME));
+        assert_eq!(visit(&mut postures, 7, "l", 0.515), (7, SAME));
+        let (key, is_moved) = visit(&mut postures, 7, "l", 0.53);
+        assert_eq!(is_moved, MOVED);
         assert_ne!(key, 7);
-        assert_eq!(visit(&mut postures, 7, "l", 0.53), (key, Visit::Same));
+        assert_eq!(visit(&mut postures, 7, "l", 0.53), (key, SAME));
         // Another tilt of the ground is another posture too.
-        let (_, tilted) = postures.of_row((8, "l"), &[0.1], [0.1, 0.0, -1.0]);
-        assert_eq!(tilted, Visit::Moved);
+        let tilted = moved(&mut postures, (8, "l"), &[0.1], [0.1, 0.0, -1.0]);
+        assert_eq!(tilted, MOVED);
         postures.clear();
-        assert_eq!(visit(&mut postures, 7, "l", 0.9), (7, Visit::Same));
+        assert_eq!(visit(&mut postures, 7, "l", 0.9), (7, SAME));
     }
 
     #[test]
     fn rows_that_come_back_are_another_visit() {
-        let mut postures = Grouping::<()>::default();
-        let mut visits = |pose| postures.of_row((pose, ""), &[0.0], DOWN).0.visits;
+        let mut postures = Grouping::default();
+        let mut visits = |pose| postures.of_row((pose, ""), &[0.0], DOWN).visits;
         let counted = [1, 1, 2, 2, 1, 1, 2, 3].map(&mut visits);
         assert_eq!(counted, [1, 1, 1, 1, 2, 2, 2, 1]);
     }
 
     #[test]
     fn beyond_the_cap_only_rows_that_follow_each_other_are_one() {
-        let mut postures = Grouping::<u32>::up_to(2);
-        let mut count = |pose: i64| {
-            let (posture, _) = postures.of_row((pose, ""), &[0.0], DOWN);
-            posture.own += 1;
-            posture.own
-        };
+        let mut postures = Grouping::up_to(2);
+        let mut count = |pose: i64| postures.of_row((pose, ""), &[0.0], DOWN).rows;
         let seen = [1, 2, 3, 3, 1, 4, 3, 2].map(&mut count);
         assert_eq!(seen, [1, 1, 1, 2, 2, 1, 1, 2]);
         assert!(postures.full());
@@ -451,19 +419,17 @@ mod tests {
     /// Servos jitter by a tenth of a degree, also where degrees are taken for radians.
     #[test]
     fn degrees_jitter_as_degrees() {
-        let row =
-            |postures: &mut Grouping<()>, q: f64| postures.of_row((1, ""), &[q, 30.0], DOWN).1;
-        let (same, moved) = (Visit::Same, Visit::Moved);
-        let mut degrees = Grouping::of_any_unit();
+        let row = |postures: &mut Grouping, q: f64| moved(postures, (1, ""), &[q, 30.0], DOWN);
+        let mut degrees = Grouping::of_any_unit(true);
         let visits = [5.0, 5.1, 8.0].map(|q| row(&mut degrees, q));
-        assert_eq!(visits, [same, same, moved]);
+        assert_eq!(visits, [SAME, SAME, MOVED]);
         let mut turns = Grouping::default();
-        assert_eq!([5.0, 5.1].map(|q| row(&mut turns, q)), [same, moved]);
+        assert_eq!([5.0, 5.1].map(|q| row(&mut turns, q)), [SAME, MOVED]);
     }
 
     /// The first visits of postures that are all under numbers of their own.
     fn first_visits(postures: &[Vec<f64>]) -> Option<Vec<usize>> {
-        let mut grouping = Grouping::<()>::default();
+        let mut grouping = Grouping::default();
         for (pose, q) in postures.iter().enumerate() {
             grouping.of_row((pose as i64, ""), q, DOWN);
         }
@@ -491,15 +457,16 @@ mod tests {
         assert_eq!(first_visits(&in_turn[..14]), None);
         assert!(first_visits(&in_turn[..15]).is_some());
         // Elsewhere on another foot.
-        let mut feet = Grouping::<()>::default();
+        let mut feet = Grouping::default();
         for (pose, q) in in_turn.iter().enumerate() {
             let support = ["l", "r", "l"][pose / 10];
             feet.of_row((pose as i64, support), q, DOWN);
         }
         let first = feet.reached_again().unwrap();
         assert_eq!((first[10], first[20]), (10, 0));
-        assert_eq!(feet.stances()[10].support, "r");
-        assert!((feet.stances()[29].q[0] - in_turn[29][0]).abs() < 1e-6);
+        let stances = feet.stances();
+        assert_eq!(&*stances.support.as_ref().unwrap()[10], "r");
+        assert!((stances.joints(29)[0] - in_turn[29][0]).abs() < 1e-6);
     }
 
     /// A swing sampled so densely that it passes by itself, a grid, sweeps apart, and postures as

@@ -160,17 +160,6 @@ pub struct MotionUse {
 }
 
 impl MotionUse {
-    /// Nothing is known of motion.
-    pub const NONE: MotionUse = MotionUse {
-        used: false,
-        share: None,
-        rms_m: 0.0,
-        rows_left_out: 0,
-        step_s: None,
-        too_fast: false,
-        sentence: String::new(),
-    };
-
     /// How a model file says it; none where nothing moved.
     pub(crate) fn counted(&self) -> Option<MotionCounted> {
         match (self.used, self.share) {

@@ -6,8 +6,6 @@
 //!
 //! One block more is taken and the end of the last one is kept: memory does not grow with the log.
 
-use std::ops::{Deref, DerefMut};
-
 use super::correlation;
 use super::motion::{Motion, Plan, Wanted};
 use crate::Error;
@@ -15,7 +13,8 @@ use crate::logs::{Block, PostureReader};
 
 /// Rows of a log for which one knows their motion where it has a plan for it.
 pub struct Moving {
-    log: PostureReader,
+    /// The rows themselves.
+    pub log: PostureReader,
     dof: usize,
     /// How rows are differentiated; none where their motion is not known.
     pub plan: Option<Plan>,
@@ -27,20 +26,6 @@ pub struct Moving {
     before: (Vec<f64>, Vec<f64>),
     /// Rows that were left out by [`Moving::known_rows`].
     pub left_out: u64,
-}
-
-impl Deref for Moving {
-    type Target = PostureReader;
-
-    fn deref(&self) -> &PostureReader {
-        &self.log
-    }
-}
-
-impl DerefMut for Moving {
-    fn deref_mut(&mut self) -> &mut PostureReader {
-        &mut self.log
-    }
 }
 
 impl Moving {

@@ -4,11 +4,11 @@
 //! ```text
 //! reading of n rows    ȳ ± s/√n  (s: of a row)        or ± √(Σ s_k²)/n where rows state s_k
 //! ```
+//!
+//! Rows of one stay that are correlated tell less: s √f(n) ([`super::stays`]), unless what visits
+//! differ by says it all.
 
-use super::criteria::accelerations::APART_S;
-use super::criteria::noise::LEAST_PART;
-use std::collections::BTreeMap;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use sesc_model::Model;
@@ -16,23 +16,24 @@ use sesc_model::effects::PostureContext;
 
 use super::approach::Approach;
 use super::correlation::Correlation;
+use super::criteria::accelerations::APART_S;
+use super::criteria::noise::{LEAST_PART, SCATTER};
 use super::grouping::{DOWN, moved_sentence};
 use super::motion::{Motion, Wanted};
 use super::motion_use::MotionUse;
 use super::moving::Moving;
-use super::noise::{self, LEAST_STD, NoiseSource};
+use super::noise::{self, Known, LEAST_STD, Noise, NoiseSource};
 use super::repeats::Visits;
 use super::rows;
+use super::stays::of_mean;
 use super::zmp::Moved;
 use crate::logs::{BLOCK, Samples, Summary, Weight, keep_some};
 use crate::watch::{Watch, tell};
 use crate::{Error, Message, Setting, message};
 
 pub(crate) mod gathering;
-mod known;
 
 use gathering::{Gathering, Motions, Posture};
-use known::Noise;
 
 /// A reading of which a joint took up more tells nothing of the noise; nor does an axis of whose
 /// readings more are such.
@@ -157,7 +158,7 @@ impl Postures {
             if block.is_empty() {
                 break;
             }
-            let (done, total) = reader.progress();
+            let (done, total) = reader.log.progress();
             tell(watch, "reading", done, total)?;
             stated |= block.std.is_some();
             timed |= block.t.is_some();
@@ -204,7 +205,7 @@ impl Postures {
         if reader.plan.is_none() || gathering.known.is_of_stays() {
             gathering.join_reached_again(model);
         }
-        let single = (1.0 - reader.averaged()).sqrt();
+        let single = (1.0 - reader.log.averaged()).sqrt();
         let noise = noise.map(|noise| noise * single);
         let mut data = Postures::of(dof, &gathering, (stated, timed), (noise, floor));
         data.cells = sidecar.cells.clone().unwrap_or_default();
@@ -218,9 +219,10 @@ impl Postures {
         data.motion_use.step_s = reader.step_s;
         data.motion_use.too_fast = reader.plan.as_ref().is_some_and(|plan| plan.is_too_coarse);
         data.motion = reader.plan.is_some().then(|| gathering.motion(dof));
-        data.summary = reader.summary();
+        data.summary = reader.log.summary();
         data.rows = taken;
-        data.warnings.splice(0..0, reader.warnings.iter().cloned());
+        data.warnings
+            .splice(0..0, reader.log.warnings.iter().cloned());
         let moved = gathering.known.moved();
         if moved > 0 {
             let file = samples.log.name();
@@ -270,7 +272,6 @@ impl Postures {
         (given, floor): (Option<f64>, f64),
     ) -> Postures {
         let all = &gathering.kept;
-        let noise = Noise::of(gathering, stated, timed, given);
         let layout = PostureContext::with_joints(dof);
         let count = all.len();
         let mut data = Postures {
@@ -278,15 +279,15 @@ impl Postures {
             q: Vec::with_capacity(count * dof),
             posture_context: vec![0.0; count * layout.len()],
             reading: Vec::with_capacity(2 * count),
-            std: Vec::with_capacity(2 * count),
+            std: vec![f64::NAN; 2 * count],
             less_known: Vec::new(),
             spent: Vec::new(),
             t: timed.then(|| all.iter().map(|p| p.t).collect()),
-            noise: noise.overall,
-            noise_floor: noise.overall.hypot(floor),
+            noise: f64::NAN,
+            noise_floor: f64::NAN,
             floor,
-            within_stays: noise.within,
-            noise_source: noise.source,
+            within_stays: [Correlation::NONE; 2],
+            noise_source: NoiseSource::Residuals,
             visits: gathering.repeats.visits(),
             first_visits: gathering.first_visits.clone(),
             cells: Vec::new(),
@@ -298,14 +299,14 @@ impl Postures {
             rows_per_posture: all.iter().map(|p| p.rows).sum::<f64>() / count.max(1) as f64,
             summary: None,
             elsewhere: BTreeMap::new(),
-            warnings: noise.warning.into_iter().map(Message::from).collect(),
+            warnings: Vec::new(),
             motion: None,
             moved: None,
-            motion_use: MotionUse::NONE,
+            motion_use: MotionUse::default(),
             weight: None,
         };
+        data.know_noise(gathering, stated, given);
         for (k, posture) in all.iter().enumerate() {
-            let q = posture.mean();
             let u = &mut data.posture_context[k * layout.len()..(k + 1) * layout.len()];
             u[layout.place()] = gathering.place(k, timed);
             u[layout.time()] = gathering.since(k, timed);
@@ -315,7 +316,6 @@ impl Postures {
             for axis in 0..2 {
                 u[layout.tilt(axis)] = posture.tilt[axis];
                 data.reading.push(posture.sum[axis] / posture.rows);
-                data.std.push(noise.per_entry[k][axis].hypot(floor));
             }
             let [rates, accelerations, ..] = &posture.moving.sums;
             let pairs = rates.iter().zip(accelerations).enumerate();
@@ -323,9 +323,68 @@ impl Postures {
                 u[layout.rate(joint)] = rate / posture.moving.rows;
                 u[layout.acceleration(joint)] = acceleration / posture.moving.rows;
             }
-            data.q.extend(q);
+            data.q.extend(posture.mean());
         }
         data
+    }
+
+    /// Take the noise from what is known before anything is fitted; where nothing is, what a fit
+    /// leaves tells it later ([`Postures::take_noise`]). Rows of a log without times are independent.
+    fn know_noise(&mut self, gathering: &Gathering, stated: bool, given: Option<f64>) {
+        let all = &gathering.kept;
+        let pure = gathering.repeats.pure();
+        let rows: f64 = all.iter().map(|p| p.rows).sum();
+        let variance = || all.iter().flat_map(|p| p.variance).sum::<f64>();
+        let known = Known {
+            given,
+            stated: stated.then(|| (variance() / (2.0 * rows)).sqrt()),
+            repeats: pure.both(),
+        };
+        let Some(noise) = Noise::known(&known) else {
+            return;
+        };
+        let repeats = noise.source == NoiseSource::Repeats;
+        let of_axis = match repeats && !stated {
+            true => pure.by_axis(),
+            false => [1.0; 2],
+        };
+        if self.t.is_some() && !(repeats && gathering.repeats.by_visits()) {
+            self.within_stays = gathering.stays.correlation();
+        }
+        for (axis, within) in self.within_stays.iter().enumerate() {
+            let mut own: Vec<f64> = match stated {
+                true => all
+                    .iter()
+                    .map(|p| p.variance[axis].sqrt() / p.rows)
+                    .collect(),
+                false => all.iter().map(|p| 1.0 / p.rows.sqrt()).collect(),
+            };
+            // Stated deviations that are all about alike are estimates of the same number, and their
+            // mean square is a better one than each.
+            let together = rms(own.iter().copied());
+            if stated && rms(own.iter().map(|s| s - together)) < SCATTER * together {
+                own.fill(together);
+            }
+            // The scatter about the means of stays has lost the slow part of the noise.
+            let row = if repeats {
+                within.variance.max(1.0)
+            } else {
+                1.0
+            };
+            for (k, posture) in all.iter().enumerate() {
+                let worth = within
+                    .process
+                    .map_or(1.0, |_| row * posture.rows * of_mean(within, posture.rows));
+                self.std[2 * k + axis] = own[k] * noise.sigma * of_axis[axis] * worth.sqrt();
+            }
+        }
+        self.noise = rms(self.std.iter().copied());
+        self.noise_floor = self.noise.hypot(self.floor);
+        self.noise_source = noise.source;
+        self.warnings.extend(noise.warning().map(Message::from));
+        self.std
+            .iter_mut()
+            .for_each(|std| *std = std.hypot(self.floor));
     }
 
     /// Take the noise of each axis from what a fit that took up `taken` of the readings
@@ -340,14 +399,13 @@ impl Postures {
                 pair[row % 2] * pair[row % 2] / all.max(f64::MIN_POSITIVE)
             })
         };
-        let of_axis = |axis: usize| -> Vec<f64> {
+        let own = [0, 1].map(|axis| -> Vec<f64> {
             let own = left.iter().enumerate().skip(axis).step_by(2);
             let own = own.map(|(row, left)| (part(row), left));
             own.filter(|(part, _)| *part <= MOST_SPENT)
                 .map(|(part, left)| left / (1.0 - part).sqrt())
                 .collect()
-        };
-        let own = [0, 1].map(of_axis);
+        });
         // An axis that is spent has the noise of the other.
         let least = (1.0 - MOST_SPENT) * (left.len() / 2) as f64;
         let few = |axis: usize| (own[axis].len() as f64) < least;
@@ -383,12 +441,8 @@ impl Postures {
         let share = (1.0 - taken / left.len() as f64).max(0.1).sqrt();
         let is_known = self.noise_source != NoiseSource::Residuals;
         let factors = [0, 1].map(|axis| {
-            let own: Vec<f64> = left
-                .iter()
-                .skip(axis)
-                .step_by(2)
-                .map(|e| e / share)
-                .collect();
+            let own = left.iter().skip(axis).step_by(2);
+            let own: Vec<f64> = own.map(|e| e / share).collect();
             let count = own.len() as f64;
             let said: Vec<f64> = moved.std.iter().map(|std| std[axis] * std[axis]).collect();
             let mean = said.iter().sum::<f64>() / count;

@@ -14,7 +14,6 @@
 //! compared by y − CoP_CAD(q).
 
 use super::criteria::repeats::{FEWEST, LEAST_OF_AN_AXIS, SAID, UNALIKE, UNLIKELY};
-use super::grouping::{Grouping, Stance};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF as _, FisherSnedecor};
 
@@ -144,27 +143,10 @@ struct Mean {
 }
 
 impl Mean {
-    /// Welford: sums of squares about a mean that moves. Nothing is added to them by the
-    /// first row.
-    fn push(&mut self, squares: &mut Squares, reading: [f64; 2], std: [f64; 2]) {
-        squares.df += u64::from(self.count > 0.0);
-        self.count += 1.0;
-        for axis in 0..2 {
-            let weight = 1.0 / (std[axis] * std[axis]);
-            let away = reading[axis] - self.mean[axis];
-            self.mean[axis] += away / self.count;
-            squares.sum[axis] += away * (reading[axis] - self.mean[axis]);
-            let away = reading[axis] - self.weighted_mean[axis];
-            self.weight[axis] += weight;
-            self.weighted_mean[axis] += away * (weight / self.weight[axis]);
-            squares.weighted[axis] += weight * away * (reading[axis] - self.weighted_mean[axis]);
-        }
-    }
-
-    /// The same with the readings of `other` at once, whose predicted reading is larger by `less`
-    /// (m).
+    /// Take the readings of `other`, whose predicted reading is larger by `less` (m), for readings of
+    /// this posture: sums of squares are about a mean that moves (Welford).
     fn join(&mut self, squares: &mut Squares, other: &Mean, less: [f64; 2]) {
-        squares.df += 1;
+        squares.df += u64::from(self.count > 0.0);
         let count = self.count + other.count;
         for (axis, less) in less.into_iter().enumerate() {
             let share = other.count / count;
@@ -211,30 +193,31 @@ impl Repeats {
             self.visits += 1;
         }
         self.rows += 1;
+        let row = Mean {
+            count: 1.0,
+            mean: reading,
+            weighted_mean: reading,
+            weight: std.map(|std| 1.0 / (std * std)),
+        };
         match &mut group.visit {
-            Some(own) => own.push(&mut self.about_visits, reading, std),
-            None => group.all.clone().push(&mut self.about_visits, reading, std),
+            Some(own) => own.join(&mut self.about_visits, &row, [0.0; 2]),
+            None => group
+                .all
+                .clone()
+                .join(&mut self.about_visits, &row, [0.0; 2]),
         }
-        group.all.push(&mut self.about_postures, reading, std);
+        group.all.join(&mut self.about_postures, &row, [0.0; 2]);
     }
 
-    /// Take postures of `known` that were reached again under another number for visits of one;
-    /// `group` finds the readings of each, and `predicted` says what CAD predicts in postures, x, y,
-    /// x, y, … (m). The first posture that each is a visit of; none where nothing was joined.
-    ///
-    /// # Errors
-    /// Those of `predicted`.
-    pub fn join_reached_again<T, E>(
+    /// Take postures that were reached again under another number for visits of the `first` one of
+    /// each; `predicted` is the CoP that CAD predicts in postures, x, y, x, y, … (m).
+    pub fn join_visits<'g>(
         &mut self,
-        known: &Grouping<T>,
-        group: impl Fn(&T) -> &Group,
-        predicted: impl FnOnce(&[Stance<'_>]) -> Result<Vec<f64>, E>,
-    ) -> Result<Option<Vec<usize>>, E> {
-        let Some(first) = known.reached_again() else {
-            return Ok(None);
-        };
-        let predicted = predicted(&known.stances())?;
-        let own = |k: usize| &group(&known.posture(k).own).all;
+        first: &[usize],
+        group: impl Fn(usize) -> &'g Group,
+        predicted: &[f64],
+    ) {
+        let own = |k: usize| &group(k).all;
         let mut joined: Vec<Mean> = (0..first.len()).map(|k| own(k).clone()).collect();
         for (k, to) in first.iter().copied().enumerate() {
             // Rows that a robust fit rejects are none.
@@ -244,7 +227,6 @@ impl Repeats {
                 self.postures -= 1;
             }
         }
-        Ok(Some(first))
     }
 
     /// Add what another part of the data gathered.
@@ -285,15 +267,6 @@ impl Repeats {
         match self.by_visits() {
             true => self.of_visits(),
             false => self.about_postures,
-        }
-    }
-
-    /// Sum of squares within visits, and its degrees of freedom, which are not those of
-    /// noise where visits differ.
-    pub fn set_aside(&self) -> (f64, u64) {
-        match self.by_visits() {
-            true => self.about_visits.both(),
-            false => (0.0, 0),
         }
     }
 

@@ -14,9 +14,9 @@ use nalgebra::{DMatrix, DVector};
 use sesc_model::standard::Shift;
 use sesc_model::{Function, Model, Snapping};
 
-use super::grouping::{Grouping, Stance};
+use super::grouping::Grouping;
 use super::motion::Motion;
-use super::repeats::{Group, Repeats};
+use super::repeats::Repeats;
 use super::row_matrix::RowMatrix;
 use super::zmp::Zmp;
 use crate::Error;
@@ -50,29 +50,29 @@ impl CopRows {
     /// On the fastest instructions, to rounding the same.
     pub fn fastest(self) -> CopRows {
         CopRows {
-            params: self.params,
             flat: self.flat.fastest(),
             space: self.space.fastest(),
+            ..self
         }
     }
 
     /// x and y rows of `n` postures `q` by base parameters of this support, 2n × p;
     /// `tilt` of each posture ([`tilt`]), level where not given.
     pub fn of(&self, q: &[f64], n: usize, tilt: Option<&[[f64; 2]]>) -> DMatrix<f64> {
-        let mut rows = RowMatrix::zeros(2 * n, self.params);
-        self.write(q, n, tilt, &mut rows.entries);
-        rows.dense()
+        self.rows(q, n, tilt).dense()
     }
 
-    /// The same into the caller's memory, row after row.
-    fn write(&self, q: &[f64], n: usize, tilt: Option<&[[f64; 2]]>, out: &mut [f64]) {
-        let Some(tilt) = tilt.filter(|all| all.iter().flatten().any(|t| *t != 0.0)) else {
-            return self.flat.run_into(q, n, out);
-        };
+    /// The same row after row.
+    fn rows(&self, q: &[f64], n: usize, tilt: Option<&[[f64; 2]]>) -> RowMatrix {
         let p = self.params;
+        let mut rows = RowMatrix::zeros(2 * n, p);
+        let Some(tilt) = tilt.filter(|all| all.iter().flatten().any(|t| *t != 0.0)) else {
+            self.flat.run_into(q, n, &mut rows.entries);
+            return rows;
+        };
         let space = self.space.run(q, n);
-        let postures = out.chunks_exact_mut(2 * p).zip(space.chunks_exact(3 * p));
-        for ((out, space), tilt) in postures.zip(tilt) {
+        let postures = rows.entries.chunks_exact_mut(2 * p);
+        for ((out, space), tilt) in postures.zip(space.chunks_exact(3 * p)).zip(tilt) {
             let (flat, height) = space.split_at(2 * p);
             for (axis, out) in out.chunks_exact_mut(p).enumerate() {
                 let own = flat[axis * p..(axis + 1) * p].iter().zip(height);
@@ -80,6 +80,7 @@ impl CopRows {
                 out.iter_mut().zip(own).for_each(|(to, x)| *to = x);
             }
         }
+        rows
     }
 }
 
@@ -194,15 +195,15 @@ impl<'r> Measurement<'r> {
                 let shifts = both.map(|((&read, &smooth), &std)| ByMotion { read, smooth, std });
                 rows.motion.extend(shifts);
             }
+            let matrix = match moved {
+                Some(moved) => moved.rows,
+                None => standing.rows.rows(q, count, tilts.as_deref()),
+            };
             let entries = &mut rows.matrix.entries[own.start * p..own.end * p];
-            match (&standing.shift, moved) {
-                (None, None) => standing.rows.write(q, count, tilts.as_deref(), entries),
-                (None, Some(moved)) => entries.copy_from_slice(&moved.rows.entries),
-                (Some(shift), moved) => {
-                    let matrix = match moved {
-                        Some(moved) => moved.rows.dense(),
-                        None => standing.rows.of(q, count, tilts.as_deref()),
-                    };
+            match &standing.shift {
+                None => entries.copy_from_slice(&matrix.entries),
+                Some(shift) => {
+                    let matrix = matrix.dense();
                     let there = &matrix * &shift.offset;
                     reading.iter_mut().zip(&there).for_each(|(y, by)| *y -= by);
                     let here = shift.matrix.tr_mul(&matrix.transpose());
@@ -214,29 +215,24 @@ impl<'r> Measurement<'r> {
         Ok(rows)
     }
 
-    /// Join the visits of postures that were reached again under another number, see
-    /// [`Repeats::join_reached_again`].
+    /// Join the visits of postures that were reached again under another number; the first
+    /// posture that each is a visit of, none where nothing was joined.
     ///
     /// # Errors
     /// As [`Measurement::rows`].
     pub fn join_reached_again(
         &mut self,
         repeats: &mut Repeats,
-        known: &Grouping<Group>,
+        known: &Grouping,
     ) -> Result<Option<Vec<usize>>, Error> {
-        let cad = DVector::from_vec(self.model().cad_params());
-        let predicted = |stances: &[Stance<'_>]| {
-            let block = Block {
-                line: vec![0; stances.len()],
-                q: stances.iter().flat_map(|at| at.q.clone()).collect(),
-                support: Some(stances.iter().map(|at| at.support.into()).collect()),
-                gravity: Some(stances.iter().map(|at| at.gravity).collect()),
-                ..Block::default()
-            };
-            let left = self.rows(&block)?.residual(&cad);
-            Ok(left.iter().map(|left| -left).collect())
+        let Some(first) = known.reached_again() else {
+            return Ok(None);
         };
-        repeats.join_reached_again(known, |own| own, predicted)
+        let cad = DVector::from_vec(self.model().cad_params());
+        let predicted = -self.rows(&known.stances())?.residual(&cad);
+        let group = |k| &known.posture(k).group;
+        repeats.join_visits(&first, group, predicted.as_slice());
+        Ok(Some(first))
     }
 
     /// The robot as it stands on `link` (the first where none is named).

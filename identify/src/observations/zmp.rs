@@ -8,7 +8,7 @@
 //! c and c̈ have rows in the base parameters. L̇ and the vertical force are those of the URDF's masses
 //! and inertias: a CoP tells of neither, and the force of masses that are free may be anything. The
 //! product c_z c̈_xy is taken to first order about CAD. p⁰ is that of what was
-//! read, Y of [smooth](super::motion::Smooth) motion: noise that both shared would bend the fit. How well
+//! read, Y of smooth motion ([`super::motion`]): noise that both shared would bend the fit. How well
 //! accelerations and positions are known adds to the noise:
 //! `σ² = Σ_j a_j² + b_j² + 2 ρ a_j b_j`, `a_j = (∂p/∂q̈_j) σ(q̈_j)`, `b_j = (∂c/∂q_j) σ(q_j)`, where ρ is
 //! their correlation: an acceleration is made of the position that was read, too.
@@ -36,7 +36,7 @@ const STEP_S: f64 = 1e-3;
 
 /// Postures in which it is asked what joints do to the ZMP, at most.
 const LEVERS: usize = 32;
-/// Postures that one thread works on: what a tape says of them stays in its cache.
+/// Postures that one thread works on.
 const PART: usize = 256;
 
 /// The ZMP of one robot on its support, row by row.
@@ -89,34 +89,6 @@ impl Moved {
         for (joint, slopes) in slopes.iter().enumerate() {
             (0..2).for_each(|axis| context[layout.shift_slope(joint, axis)] = slopes[axis]);
         }
-    }
-
-    /// No posture yet, of which there will be `n`.
-    fn with_room(n: usize, params: usize) -> Moved {
-        let mut moved = Moved::default();
-        moved.rows.columns = params;
-        moved.rows.entries.reserve(2 * n * params);
-        moved
-    }
-
-    /// Rows of x and y of a posture, by its `smooth` motion, and what is taken from its readings,
-    /// whose motion has these `parts`.
-    fn add_rows(&mut self, parts: &Parts, smooth: &[f64], tilt: [f64; 2], zmp: &Zmp) {
-        let p = zmp.params.len();
-        let by = zmp.parts(smooth, &zmp.params);
-        self.smooth_shift.push(by.shift(tilt));
-        let row = |row: usize| &smooth[row * p..(row + 1) * p];
-        self.correction.push([0, 1].map(|axis| {
-            let push = by.gain[axis] - GRAVITY * tilt[axis];
-            let (com, height, gain) = (row(axis), row(2), row(3 + axis));
-            let inverse = 1.0 / by.load();
-            let entry = |k: usize| com[k] - (push * height[k] + by.com[2] * gain[k]) * inverse;
-            let start = self.rows.entries.len();
-            self.rows.entries.extend((0..p).map(entry));
-            let pairs = self.rows.entries[start..].iter().zip(&zmp.params);
-            let sum: f64 = pairs.map(|(entry, param)| entry * param).sum();
-            parts.com[axis] - parts.pushed(axis, tilt) - sum
-        }));
     }
 }
 
@@ -190,10 +162,14 @@ impl Zmp {
     /// Evaluate postures with their velocities and accelerations.
     fn run(&self, tape: &Tape, motion: [&[f64]; 3]) -> Vec<f64> {
         let n = motion[0].len() / self.dof.max(1);
-        let mut out = vec![0.0; n * tape.outputs()];
-        let arguments = motion.map(Values::PerPosture);
-        tape.run(&arguments, n, &mut out, FASTEST);
-        out
+        let parts = by_parts(0..n, PART, |rows| {
+            let own = rows.start * self.dof..rows.end * self.dof;
+            let arguments = motion.map(|all| Values::PerPosture(&all[own.clone()]));
+            let mut out = vec![0.0; rows.len() * tape.outputs()];
+            tape.run(&arguments, rows.len(), &mut out, FASTEST);
+            out
+        });
+        parts.concat()
     }
 
     fn parts(&self, out: &[f64], params: &[f64]) -> Parts {
@@ -260,56 +236,42 @@ impl Zmp {
         rows: Range<usize>,
         tilts: &[[f64; 2]],
     ) -> Moved {
-        let n = tilts.len();
-        let mut std = motion.gains_std[rows.start * self.dof..rows.end * self.dof].iter();
-        let levers = if std.all(|std| *std <= 0.0) {
-            vec![Lever::default(); self.dof]
-        } else {
-            self.levers(q)
-        };
-        let parts = by_parts(0..n, PART, |own| {
-            let of_log = rows.start + own.start..rows.start + own.end;
-            let q = &q[own.start * self.dof..own.end * self.dof];
-            self.moved_part(q, (motion, of_log), &tilts[own], &levers)
-        });
-        let mut moved = Moved::with_room(n, self.params.len());
-        for part in parts {
-            moved.rows.entries.extend(part.rows.entries);
-            moved.shift.extend(part.shift);
-            moved.smooth_shift.extend(part.smooth_shift);
-            moved.lift.extend(part.lift);
-            moved.correction.extend(part.correction);
-            moved.std.extend(part.std);
-        }
-        moved
-    }
-
-    fn moved_part(
-        &self,
-        q: &[f64],
-        (motion, rows): (&Motion, Range<usize>),
-        tilts: &[[f64; 2]],
-        levers: &[Lever],
-    ) -> Moved {
         let own = rows.start * self.dof..rows.end * self.dof;
+        let levers = match motion.gains_std[own.clone()].iter().any(|std| *std > 0.0) {
+            true => self.levers(q),
+            false => vec![Lever::default(); self.dof],
+        };
         let motion_read = [q, &motion.rates[own.clone()], &motion.gains[own.clone()]];
         let read = self.run(&self.by_cad, motion_read);
         // Where nothing smooth is known, rows have the noise of the readings' motion.
-        let smooth = motion.smooth.as_ref().map(|smooth| {
-            let smooth = [&smooth.q, &smooth.rates, &smooth.gains];
-            smooth.map(|all| &all[own.clone()])
-        });
+        let smooth = motion.smooth.as_ref();
+        let smooth = smooth.map(|smooth| smooth.each_ref().map(|all| &all[own.clone()]));
         let of_rows = self.run(&self.tape, smooth.unwrap_or(motion_read));
-        let mut moved = Moved::with_room(tilts.len(), self.params.len());
+        let p = self.params.len();
+        let mut moved = Moved::default();
+        moved.rows.columns = p;
+        moved.rows.entries.reserve(2 * tilts.len() * p);
         let (read, _) = read.as_chunks::<8>();
         let both = read.iter().zip(of_rows.chunks_exact(self.tape.outputs()));
         for (row, ((read, of_rows), tilt)) in rows.zip(both.zip(tilts)) {
-            let parts = Parts::of(*read);
-            moved.add_rows(&parts, of_rows, *tilt, self);
+            let (parts, by) = (Parts::of(*read), self.parts(of_rows, &self.params));
             moved.shift.push(parts.shift(*tilt));
+            moved.smooth_shift.push(by.shift(*tilt));
             moved.lift.push(parts.load() / GRAVITY - 1.0);
             let own = row * self.dof..(row + 1) * self.dof;
-            moved.std.push(deviation(levers, motion, own));
+            moved.std.push(deviation(&levers, motion, own));
+            let row = |row: usize| &of_rows[row * p..(row + 1) * p];
+            moved.correction.push([0, 1].map(|axis| {
+                let push = by.gain[axis] - GRAVITY * tilt[axis];
+                let (com, height, gain) = (row(axis), row(2), row(3 + axis));
+                let inverse = 1.0 / by.load();
+                let entry = |k: usize| com[k] - (push * height[k] + by.com[2] * gain[k]) * inverse;
+                let start = moved.rows.entries.len();
+                moved.rows.entries.extend((0..p).map(entry));
+                let pairs = moved.rows.entries[start..].iter().zip(&self.params);
+                let sum: f64 = pairs.map(|(entry, param)| entry * param).sum();
+                parts.com[axis] - parts.pushed(axis, *tilt) - sum
+            }));
         }
         moved
     }

@@ -105,6 +105,7 @@ impl<'a> Scene<'a> {
 }
 
 /// What must stay above the ground.
+#[derive(Default)]
 pub(super) struct Clearance {
     /// Least height, m.
     pub height: f64,
@@ -135,30 +136,27 @@ impl Clearance {
     ) -> Clearance {
         let mut all = Clearance {
             height,
-            parts: Vec::new(),
-            by_shapes: 0,
-            by_points: 0,
+            ..Clearance::default()
         };
-        for (link, about, body, place) in poses::links(model) {
-            if body == 0 || Some(body) == standing {
-                continue;
-            }
-            let before = all.parts.len();
-            let part = |(pose, solid)| Part {
-                body,
-                link,
-                pose,
-                solid,
-            };
-            all.parts.extend(geometry.on(&about.name, place).map(part));
-            if all.parts.len() > before {
+        let links = poses::links(model);
+        for (link, about, body, place) in links.filter(|own| own.2 != 0 && Some(own.2) != standing)
+        {
+            let mut solids: Vec<(Pose, Solid)> = geometry.on(&about.name, place).collect();
+            if solids.is_empty() {
+                all.by_points += 1;
+                let point = |origin| (Pose { origin, ..place }, Solid::Sphere { radius: 0.0 });
+                let points = points(model, link, body, &place).into_iter();
+                solids = points.map(point).collect();
+            } else {
                 all.by_shapes += 1;
-                continue;
             }
-            all.by_points += 1;
-            let point = |origin| (Pose { origin, ..place }, Solid::Sphere { radius: 0.0 });
-            let points = points(model, link, body, &place).into_iter();
-            all.parts.extend(points.map(point).map(part));
+            all.parts
+                .extend(solids.into_iter().map(|(pose, solid)| Part {
+                    body,
+                    link,
+                    pose,
+                    solid,
+                }));
         }
         all
     }
@@ -315,17 +313,12 @@ impl<'m> BothFeet<'m> {
         let fits = (APART.0 * still..=APART.1 * still).contains(&far)
             && at.dot(&self.rest) >= BESIDE * far * still
             && sole.rotation[(2, 2)] > 0.0;
-        if !fits {
-            return None;
-        }
         let moved = own.corners.iter().map(|&[x, y]| {
             let corner = sole.point(&Vector3::new(x, y, 0.0));
             [corner.x, corner.y]
         });
-        Region::hull(
-            own.corners.iter().copied().chain(moved).collect(),
-            own.margin,
-        )
+        let both = own.corners.iter().copied().chain(moved).collect();
+        fits.then(|| Region::hull(both, own.margin)).flatten()
     }
 }
 
@@ -385,13 +378,12 @@ pub fn sample(
     };
     let dof = model.dof();
     let mut found = Vec::new();
-    loop {
-        let drawn = sampler.counts.drawn;
-        if found.len() >= wanted * dof || drawn >= draws || found.is_empty() && drawn >= 10_000 {
-            break;
-        }
+    let goes_on = |found: &[f64], drawn: usize| {
+        found.len() < wanted * dof && drawn < draws && (!found.is_empty() || drawn < 10_000)
+    };
+    while goes_on(&found, sampler.counts.drawn) {
         // Worked on together.
-        let n = 256.min(draws - drawn);
+        let n = 256.min(draws - sampler.counts.drawn);
         for q in sampler.block(n) {
             // Counts stop with the last candidate taken.
             if found.len() == wanted * dof {
@@ -431,18 +423,16 @@ impl Sampler<'_> {
         }
         self.counts.balanced += 1;
         let bodies = poses::bodies(&self.scene.model.chain.bodies, &drawn.q);
-        match self.scene.clearance.lowest(&bodies) {
-            Some((height, link)) if height < self.scene.clearance.height => {
-                self.counts.low[link] += 1;
-                return false;
-            }
-            _ => self.counts.clear += 1,
-        }
-        if self.scene.collisions.first(&bodies).is_some() {
+        let clearance = &self.scene.clearance;
+        let lowest = clearance.lowest(&bodies);
+        if let Some((_, link)) = lowest.filter(|(height, _)| *height < clearance.height) {
+            self.counts.low[link] += 1;
             return false;
         }
-        self.counts.collision_free += 1;
-        true
+        self.counts.clear += 1;
+        let is_free = self.scene.collisions.first(&bodies).is_none();
+        self.counts.collision_free += usize::from(is_free);
+        is_free
     }
 
     /// `n` draws, moved towards balance.
@@ -473,20 +463,19 @@ impl Sampler<'_> {
         // At least a fifth of the limits from rest.
         let spread = within((1.0, 0.2));
         let (limits, region) = (self.scene.limits, self.scene.region);
-        let ranges = limits.ranges.iter().zip(limits.rest());
-        let q = ranges
-            .map(|(&range, rest)| (rest + spread * (within(range) - rest)).clamp(range.0, range.1))
-            .collect();
+        let feet = self.scene.both_feet.as_ref();
+        let mut draw = |(&range, rest): (&(f64, f64), f64)| {
+            (rest + spread * (within(range) - rest)).clamp(range.0, range.1)
+        };
+        let q = limits.ranges.iter().zip(limits.rest()).map(&mut draw);
+        let q = q.collect();
         let mut points = (0..100).map(|_| Vector2::from(region.bounds().map(&mut within)));
         let target = points.find(|at| region.violation(*at, &Matrix2::zeros(), 0.0) <= 0.0);
         Drawn {
             q,
             target: target.unwrap_or_else(|| region.centre()),
             // From one sole to the other.
-            share: match self.scene.both_feet {
-                Some(_) => within((0.0, 1.0)),
-                None => 0.0,
-            },
+            share: feet.map_or(0.0, |_| within((0.0, 1.0))),
             on_floor: true,
             violation: f64::INFINITY,
             std: 0.0,
@@ -568,30 +557,28 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
     let (drawn, balanced, clear) = (counts.drawn, counts.balanced, counts.clear);
     let free = counts.collision_free;
     let support = scene.model.support();
-    let wide_enough = wide_enough(request, counts);
     let numbers = format!(
         "of {drawn} postures drawn, {balanced} balance on `{support}`, {clear} of them keep clear of \
          the ground, {free} of these of themselves; {} are wanted",
         request.poses
     );
     let remedy = if balanced < request.poses.max(drawn / 1000) {
-        let miss =
-            wide_enough.map(|(miss, _)| format!(", the best one misses by {:.1} mm", 1e3 * miss));
-        let strict = format!(
-            "the CoP must stay within {}, by {} standard deviations ({:.1} mm each on average){}",
+        let mut strict = format!(
+            "the CoP must stay within {}, by {} standard deviations ({:.1} mm each on average)",
             request.region.sentence(),
             request.sigmas,
             1e3 * counts.cop_std,
-            miss.unwrap_or_default(),
         );
-        let enough = wide_enough.map(|(_, half)| {
-            format!(" ({half} lets a tenth of them balance, where the foot is so large)")
-        });
+        let mut enough = String::new();
+        if let Some((miss, half)) = wide_enough(request, counts) {
+            strict += &format!(", the best one misses by {:.1} mm", 1e3 * miss);
+            enough = format!(" ({half} lets a tenth of them balance, where the foot is so large)");
+        }
         message![
             strict,
             ": give a larger ",
             Setting::CopBox,
-            enough.unwrap_or_default(),
+            enough,
             " or the ",
             Setting::Sole,
             ", a ",
@@ -602,13 +589,11 @@ pub(super) fn shortage(scene: &Scene, request: &Request, counts: &Counts) -> Mes
             request.robot.feet_note()
         ]
     } else if clear < request.poses.max(balanced / 1000) {
-        let worst = (0..counts.low.len())
-            .max_by_key(|&link| counts.low[link])
-            .unwrap_or(0);
+        let worst = (0..counts.low.len()).max_by_key(|&link| counts.low[link]);
         let low = format!(
             "asked is {}; most often `{}` is too low: give a smaller ",
             scene.clearance.sentence(),
-            scene.model.tree.links[worst].name
+            scene.model.tree.links[worst.unwrap_or(0)].name
         );
         message![
             low,

@@ -84,9 +84,9 @@ impl WhitenedRows {
         let r = regressor.transpose().qr().r();
         let svd = svd(r, false, true);
         let largest = svd.singular_values.max();
-        let seen: Vec<usize> = (0..svd.singular_values.len())
-            .filter(|&k| svd.singular_values[k] > unseen * largest)
-            .collect();
+        let seen =
+            (0..svd.singular_values.len()).filter(|&k| svd.singular_values[k] > unseen * largest);
+        let seen: Vec<usize> = seen.collect();
         let none = || DMatrix::zeros(0, regressor.nrows());
         let v = svd.v_t.unwrap_or_else(none);
         let mut whiten = DMatrix::zeros(seen.len(), regressor.nrows());
@@ -307,9 +307,8 @@ pub(super) fn curve(
     rng.set_stream(1);
     let gram = rows.gram();
     // The first few of a random choice are a random choice of a few.
-    let drawn: Vec<Vec<usize>> = (0..20)
-        .map(|_| index::sample(&mut rng, rows.len(), all).into_vec())
-        .collect();
+    let drawn = (0..20).map(|_| index::sample(&mut rng, rows.len(), all).into_vec());
+    let drawn: Vec<Vec<usize>> = drawn.collect();
     let point = |postures: usize, variance: f64| {
         let std = |chosen: &Vec<usize>| rows.mean_variance(&chosen[..postures], &gram).sqrt();
         Efficiency {

@@ -76,8 +76,8 @@ impl Limits {
                 let said = format!("joint `{name}`: {lower} to {upper} is no range; give numbers");
                 return Err(bad(said));
             }
-            in_order(name, (lower, upper)).map_err(bad)?;
-            let kept = limits.narrow(joint, (lower, upper), &dofs[joint]);
+            let ordered = in_order(name, (lower, upper));
+            let kept = ordered.and_then(|range| limits.narrow(joint, range, &dofs[joint]));
             kept.map_err(bad)?;
         }
         Ok(limits)
@@ -145,9 +145,8 @@ impl Limits {
         }
         let missing = dofs.len() - lines.len();
         if missing > 0 {
-            limits.notes.push(format!(
-                "{file} says nothing of {missing} joints: URDF limits"
-            ));
+            let note = format!("{file} says nothing of {missing} joints: URDF limits");
+            limits.notes.push(note);
         }
         Ok(limits)
     }
@@ -181,13 +180,9 @@ struct Columns {
 
 impl Columns {
     fn of(header: &StringRecord) -> Result<Columns, String> {
-        let at = |name: &str| {
-            header
-                .iter()
-                .position(|cell| cell.eq_ignore_ascii_case(name))
-        };
-        let ends =
-            |unit: &str| Some([at(&format!("lower_{unit}"))?, at(&format!("upper_{unit}"))?]);
+        let is = |name: &str, cell: &str| cell.eq_ignore_ascii_case(name);
+        let at = |name: &str| header.iter().position(|cell| is(name, cell));
+        let ends = |unit| Some([at(&format!("lower_{unit}"))?, at(&format!("upper_{unit}"))?]);
         let pairs = UNITS.map(|(unit, ..)| ends(unit));
         match at("joint").filter(|_| pairs.iter().any(Option::is_some)) {
             Some(joint) => Ok(Columns { joint, pairs }),
@@ -202,11 +197,8 @@ impl Columns {
             let cells = (*pair)?.map(|k| row.get(k).unwrap_or(""));
             Some((cells, unit)).filter(|(cells, _)| cells.concat() != "")
         });
-        let Some((cells, (unit, prismatic, si))) = filled.next() else {
-            return Err(format!(
-                "joint `{name}` has no limits on its line; give both"
-            ));
-        };
+        let none = || format!("joint `{name}` has no limits on its line; give both");
+        let (cells, (unit, prismatic, si)) = filled.next().ok_or_else(none)?;
         if filled.next().is_some() {
             return Err(format!("joint `{name}` has limits in two units; keep one"));
         }
@@ -226,15 +218,14 @@ impl Columns {
                 format!("joint `{name}`: `{cell}` is no number; give both limits in {unit}")
             })
         };
-        let (lower, upper) = (number(cells[0])?, number(cells[1])?);
-        in_order(name, (lower, upper))?;
+        let (lower, upper) = in_order(name, (number(cells[0])?, number(cells[1])?))?;
         Ok((si * lower, si * upper))
     }
 }
 
-fn in_order(joint: &str, (lower, upper): (f64, f64)) -> Result<(), String> {
+fn in_order(joint: &str, (lower, upper): (f64, f64)) -> Result<(f64, f64), String> {
     if lower <= upper {
-        return Ok(());
+        return Ok((lower, upper));
     }
     Err(format!(
         "joint `{joint}`: lower {lower} is above upper {upper}; swap them"

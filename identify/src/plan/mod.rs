@@ -67,7 +67,7 @@ use crate::lsq::factor::Factor;
 use crate::lsq::solve::{UNSEEN, solve};
 use crate::robot::Robot;
 use crate::watch::{Watch, tell};
-use crate::{Error, Setting, message};
+use crate::{Error, Message, Setting, message};
 use design::WhitenedRows;
 
 /// Plan postures.
@@ -146,13 +146,8 @@ pub fn plan(request: &Request, watch: &mut dyn Watch) -> Result<Plan, Error> {
     let mut looked = 0_u64;
     let choice = rows.choose(request.poses, || {
         looked += 1;
-        let round = request.poses as u64;
-        tell(
-            watch,
-            "choosing postures",
-            looked,
-            looked.div_ceil(round) * round,
-        )
+        let total = looked.next_multiple_of(request.poses as u64);
+        tell(watch, "choosing postures", looked, total)
     })?;
     let order = design::short_order(&some(&q, dof, &choice.chosen), dof);
     let chosen: Vec<usize> = order.into_iter().map(|k| choice.chosen[k]).collect();
@@ -307,41 +302,33 @@ impl Request {
 
     /// Whether the numbers make sense.
     fn check(&self) -> Result<(), Error> {
-        let refused =
-            |setting: Setting, remedy: String| Err(Error::request(message![setting, remedy]));
-        let more = "give a number, zero or more";
+        let refused = |why: Message| Err(Error::request(why));
+        let (positive, more) = ("give a number above zero", "give a number, zero or more");
         let numbers = [
-            (
-                Setting::Noise,
-                self.noise,
-                f64::MIN_POSITIVE,
-                "give a number above zero",
-            ),
+            (Setting::Noise, self.noise, f64::MIN_POSITIVE, positive),
             (Setting::Margin, self.region.margin, 0.0, more),
             (Setting::Sigmas, self.sigmas, 0.0, more),
             (Setting::Clearance, self.clearance, 0.0, more),
         ];
         for (setting, value, least, remedy) in numbers {
             if !(value.is_finite() && value >= least) {
-                return refused(setting, format!(" {value}: {remedy}"));
+                return refused(message![setting, format!(" {value}: {remedy}")]);
             }
         }
         let ranges = self.limits.ranges.iter();
         if ranges.filter(|(lower, upper)| lower <= upper).count() != self.model.dof() {
             let remedy = ": give each joint a lower limit that is not above its upper one";
-            return refused(Setting::Limits, remedy.to_string());
+            return refused(message![Setting::Limits, remedy]);
         }
-        if let Some(candidates) = self.candidates.filter(|count| *count < self.poses) {
+        let poses = self.poses;
+        if let Some(candidates) = self.candidates.filter(|count| *count < poses) {
             let given = format!(" {candidates} for ");
-            let remedy = format!(
-                " {}: give at least as many, twenty times as many choose well",
-                self.poses
-            );
-            let why = message![Setting::Candidates, given, Setting::Poses, remedy];
-            return Err(Error::request(why));
+            let remedy =
+                format!(" {poses}: give at least as many, twenty times as many choose well");
+            return refused(message![Setting::Candidates, given, Setting::Poses, remedy]);
         }
-        if self.poses == 0 {
-            return refused(Setting::Poses, " 0: give one or more".to_string());
+        if poses == 0 {
+            return refused(message![Setting::Poses, " 0: give one or more"]);
         }
         Ok(())
     }

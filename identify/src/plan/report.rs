@@ -132,19 +132,17 @@ pub struct TwoFeet {
 impl TwoFeet {
     /// In a few words.
     pub fn sentence(&self) -> String {
+        let mut said = format!("both soles on the floor, `{}` the other", self.other_foot);
         let worst = self.offsets.iter().max_by(|a, b| a.std.total_cmp(&b.std));
-        let told = worst.map_or(String::new(), |worst| {
-            format!(
+        if let Some(worst) = worst {
+            said += &format!(
                 ": how it lies tells an offset of each of {} joints, of `{}` worst (± {:.2}°)",
                 self.offsets.len(),
                 worst.joint,
                 worst.std.to_degrees()
-            )
-        });
-        format!(
-            "both soles on the floor, `{}` the other{told}",
-            self.other_foot
-        )
+            );
+        }
+        said
     }
 }
 
@@ -162,15 +160,14 @@ impl Plan {
     /// What became of the draws, in words.
     pub fn drawn(&self) -> String {
         let draws = &self.draws;
-        let clear = format!(
+        let mut said = format!(
             "{}: {} balanced, {} of them clear of the ground",
             draws.drawn, draws.balanced, draws.clear
         );
-        if !self.collision_checked {
-            return clear;
+        if self.collision_checked {
+            said += &format!(", {} of these free of self-collision", draws.collision_free);
         }
-        let free = draws.collision_free;
-        format!("{clear}, {free} of these free of self-collision")
+        said
     }
 
     /// Write the postures as a log, those that come back included; gives back where its
@@ -298,18 +295,18 @@ pub(super) fn lessons(
     order: &[usize],
 ) -> Vec<Lesson> {
     let lesson = |pair: &[Vec<f64>]| {
-        let stds = pair[0].iter().zip(&pair[1]).zip(&model.base.params);
-        let falls = stds.map(|((before, after), param)| (after / before, *before, *after, param));
-        let known = falls.filter(|(part, ..)| part.is_finite());
-        let (_, before, after, param) = known.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let part = |k: &usize| pair[1][*k] / pair[0][*k];
+        let known = (0..pair[0].len()).filter(|k| part(k).is_finite());
+        let k = known.min_by(|a, b| part(a).total_cmp(&part(b)))?;
+        let param = &model.base.params[k];
         Some(Lesson {
             parameter: param.name.clone(),
             unit: match param.column {
                 Column::Prismatic { .. } => "1",
                 Column::Axis { .. } => "m",
             },
-            before,
-            after,
+            before: pair[0][k],
+            after: pair[1][k],
         })
     };
     let steps = deviations(regressor, prior, noise, order);
@@ -386,15 +383,16 @@ pub(super) fn known(request: &Request, watch: &mut dyn Watch) -> Result<(f64, Op
 
 /// Which of the chosen postures come back, spread over what their `rows` tell.
 pub(super) fn revisits(request: &Request, visits: Option<f64>, rows: &DMatrix<f64>) -> Revisits {
-    let usual = match visits {
-        Some(_) => 0,
-        None => COUNT.min(request.poses / 2),
-    };
+    let usual = visits.map_or(COUNT.min(request.poses / 2), |_| 0);
     let count = request.revisits.unwrap_or(usual).min(request.poses);
     let poses = spread(rows, count).into_iter().map(|k| k as i64 + 1);
     let poses: Vec<i64> = poses.collect();
     let written = request.revisits.is_some() && !poses.is_empty();
     let names: Vec<String> = poses.iter().map(i64::to_string).collect();
+    let how = match written {
+        true => ", as the last rows of the file",
+        false => ", and log them under the same numbers",
+    };
     let sentence = match (poses.is_empty(), visits) {
         (true, Some(visits)) => format!(
             "none: the log says that visits of one posture differ by {:.2} mm",
@@ -402,13 +400,9 @@ pub(super) fn revisits(request: &Request, visits: Option<f64>, rows: &DMatrix<f6
         ),
         (true, None) => "none: what visits of one posture differ by stays unknown".to_string(),
         (false, _) => format!(
-            "reach poses {} once again after the others{}: what visits of one posture differ by \
+            "reach poses {} once again after the others{how}: what visits of one posture differ by \
              is not known",
-            names.join(", "),
-            match written {
-                true => ", as the last rows of the file",
-                false => ", and log them under the same numbers",
-            }
+            names.join(", ")
         ),
     };
     Revisits {

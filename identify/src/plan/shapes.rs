@@ -26,7 +26,7 @@ use sesc_model::{Function, Model, files};
 
 use crate::evaluate::Evaluator;
 use crate::observations::postures::range;
-use crate::poses::{self, Pose};
+use crate::poses::{Pose, on_ground};
 use crate::{Error, Setting, message};
 
 /// A solid about its own centre, m; cylinders and capsules along z.
@@ -101,10 +101,8 @@ impl Geometry {
         let mut said: BTreeMap<String, Vec<&str>> = BTreeMap::new();
         for (link, collisions) in description.link_names().zip(found) {
             for collision in collisions {
-                let boxed = matches!(
-                    collision.as_ref().map(|own| &own.shape),
-                    Ok(urdf::Shape::Mesh { .. })
-                );
+                let is_mesh = |own: &Collision| matches!(own.shape, urdf::Shape::Mesh { .. });
+                let boxed = collision.as_ref().is_ok_and(is_mesh);
                 let note = match collision.and_then(|own| solid(&own, folder)) {
                     Ok((pose, solid)) => {
                         let link = link.to_string();
@@ -120,8 +118,8 @@ impl Geometry {
         }
         for (what, mut links) in said {
             links.dedup();
-            let note = format!("{what}: {}", listed(&links, 12));
-            geometry.notes.push(note);
+            let links = listed(&links, 12);
+            geometry.notes.push(format!("{what}: {links}"));
         }
         geometry
     }
@@ -180,8 +178,7 @@ fn solid(collision: &Collision, folder: Option<&Path>) -> Result<(Pose, Solid), 
 /// # Errors
 /// Why the mesh is left out, in a few words.
 fn mesh_bounds(name: &str, folder: Option<&Path>) -> Result<(Vector3<f64>, Vector3<f64>), String> {
-    let stl = name.to_ascii_lowercase().ends_with(".stl");
-    if !stl {
+    if !name.to_ascii_lowercase().ends_with(".stl") {
         return Err("a mesh that is no STL file".to_string());
     }
     let path = find(name, folder).ok_or("a mesh whose file is not found")?;
@@ -200,10 +197,8 @@ fn find(name: &str, folder: Option<&Path>) -> Option<PathBuf> {
     // An empty path is the folder that the program runs in.
     let folder = Path::new(".").join(folder?).canonicalize().ok()?;
     if let Some(path) = name.strip_prefix("package://") {
-        return folder
-            .ancestors()
-            .map(|above| above.join(path))
-            .find(is_file);
+        let mut above = folder.ancestors().map(|above| above.join(path));
+        return above.find(is_file);
     }
     Some(folder.join(name)).filter(is_file)
 }
@@ -382,22 +377,19 @@ impl Region {
 
     /// In a few words.
     pub fn sentence(&self) -> String {
-        let [(x0, x1), (y0, y1)] = self.bounds();
-        let margin = match self.margin {
-            0.0 => String::new(),
-            m => format!(", {:.1} mm from its edge", 1e3 * m),
-        };
-        let source = self.source.map(|why| format!(", {why}"));
-        let source = source.unwrap_or_default();
-        let square = self.corners.len() == 4 && x0 == -x1 && y0 == -y1 && x1 == y1;
-        let [x0, x1, y0, y1] = [x0, x1, y0, y1].map(|x| 1e3 * x);
-        if square {
-            return format!("|x|, |y| <= {x1:.1} mm{margin}{source}");
+        let [(x0, x1), (y0, y1)] = self.bounds().map(|(low, high)| (1e3 * low, 1e3 * high));
+        let (count, margin) = (self.corners.len(), 1e3 * self.margin);
+        let mut said = format!("|x|, |y| <= {x1:.1} mm");
+        if count != 4 || x0 != -x1 || y0 != -y1 || x1 != y1 {
+            said = format!(
+                "a sole of {count} corners, x {x0:.1} to {x1:.1} mm, y {y0:.1} to {y1:.1} mm"
+            );
         }
-        format!(
-            "a sole of {} corners, x {x0:.1} to {x1:.1} mm, y {y0:.1} to {y1:.1} mm{margin}{source}",
-            self.corners.len()
-        )
+        if margin != 0.0 {
+            said += &format!(", {margin:.1} mm from its edge");
+        }
+        let source = self.source.map(|why| format!(", {why}"));
+        said + &source.unwrap_or_default()
     }
 
     /// Where the CoP of a robot stays unless somebody says: within the sole, as the collision
@@ -438,12 +430,11 @@ impl Region {
 /// None of a link without inertia, or with one that no link of this robot has: beyond the height
 /// of its CoM.
 fn of_inertia(model: &Model, description: &Description) -> Option<f64> {
-    let on_ground = poses::links(model).filter(|(_, _, body, _)| *body == 0);
-    let on_ground = on_ground.filter_map(|(_, link, _, place)| {
+    let with_inertia = on_ground(model).filter_map(|(link, place)| {
         let own = description.links.iter().find(|own| own.name == link.name)?;
         Some((place, own.inertial))
     });
-    let (place, inertial) = on_ground.max_by(|a, b| a.1.mass_kg.total_cmp(&b.1.mass_kg))?;
+    let (place, inertial) = with_inertia.max_by(|a, b| a.1.mass_kg.total_cmp(&b.1.mass_kg))?;
     let [ixx, ixy, ixz, iyy, iyz, izz] = inertial.inertia;
     let own = Matrix3::new(ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz);
     let turned = place.then(&at(&inertial.origin)).rotation;
@@ -482,8 +473,7 @@ fn unknown(model: &Model) -> Error {
 
 /// Counter-clockwise, in the support frame, m.
 pub(crate) fn outline(model: &Model, geometry: &Geometry) -> Vec<[f64; 2]> {
-    let on_ground = poses::links(model).filter(|(_, _, body, _)| *body == 0);
-    let solids = on_ground.flat_map(|(_, link, _, place)| geometry.on(&link.name, place));
+    let solids = on_ground(model).flat_map(|(link, place)| geometry.on(&link.name, place));
     let points =
         solids.flat_map(|(pose, solid)| corners(&solid).into_iter().map(move |p| pose.point(&p)));
     let points: Vec<Vector3<f64>> = points.collect();

@@ -34,11 +34,8 @@ pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fitted: bool)
         let predicted = problem.predict(terms, unknowns, &contexts, None);
         let residual = stacked_residual(&predicted);
         let unexplained = problem.masses(terms).project_out_one(&residual);
-        let own = sides
-            .iter_mut()
-            .zip(&blocks)
-            .zip(&moments)
-            .zip(problem.readings());
+        let own = sides.iter_mut().zip(&blocks).zip(&moments);
+        let own = own.zip(problem.readings());
         for (((sides, (block, own)), moments), range) in own {
             let unexplained = &unexplained.as_slice()[range];
             by_reading(block, own, moments, unexplained, sides);
@@ -163,9 +160,7 @@ fn best_flips(residual: [f64; 2], near: &[Near], side: impl Fn(usize) -> f64) ->
             best = (choice, cost, total);
         }
     }
-    let flips = near
-        .iter()
-        .enumerate()
-        .filter(|(bit, _)| best.0 >> bit & 1 == 1);
+    let flips = near.iter().enumerate();
+    let flips = flips.filter(|(bit, _)| best.0 >> bit & 1 == 1);
     (flips.map(|(_, joint)| joint.joint).collect(), best.1)
 }

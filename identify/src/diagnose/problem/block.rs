@@ -470,13 +470,8 @@ impl<'m> Block<'m> {
     pub(in crate::diagnose) fn in_file(&self, own: &CarriedExplanation, masses: &[f64]) -> InFile {
         let (data, masses) = (&self.data, self.params_from_first(masses));
         let own = (&own.terms[..], &own.unknowns[..]);
-        let out = self.run(
-            Output::InFile,
-            own,
-            &data.q,
-            &data.posture_context,
-            Some(&masses),
-        );
+        let context = &data.posture_context;
+        let out = self.run(Output::InFile, own, &data.q, context, Some(&masses));
         let width = out.len() / data.len();
         let postures = out.chunks_exact(width).map(|own| own.split_at(2));
         let (readings, depths): (Vec<_>, Vec<_>) = postures.unzip();
@@ -485,10 +480,8 @@ impl<'m> Block<'m> {
             // Motion adds more or less where masses are not CAD's.
             let off = DVector::from_fn(masses.len(), |k, _| masses[k] - self.cad[k]);
             let motion = &**rows * off;
-            readings
-                .iter_mut()
-                .zip(&motion)
-                .for_each(|(y, by)| *y += by);
+            let moved = readings.iter_mut().zip(&motion);
+            moved.for_each(|(y, by)| *y += by);
         }
         InFile {
             readings,
@@ -506,13 +499,8 @@ impl<'m> Block<'m> {
     ) -> Block<'m> {
         let params = self.params_from_first(masses);
         let (own, width) = ((&own.terms[..], &own.unknowns[..]), 1 + params.len());
-        let out = self.run(
-            Output::ByMasses,
-            own,
-            &self.data.q,
-            posture_context,
-            Some(&params),
-        );
+        let q = &self.data.q;
+        let out = self.run(Output::ByMasses, own, q, posture_context, Some(&params));
         let mut rows = DMatrix::from_fn(2 * self.data.len(), params.len(), |row, k| {
             out[row * width + 1 + k]
         });
@@ -575,7 +563,7 @@ impl<'m> Block<'m> {
 
     /// What loads and pulls of an explanation weigh over the robot's mass, with slopes by its
     /// unknowns.
-    fn carried(&self, own: &CarriedExplanation) -> (f64, RowDVector<f64>) {
+    pub(in crate::diagnose) fn carried(&self, own: &CarriedExplanation) -> (f64, RowDVector<f64>) {
         let mut slopes = RowDVector::zeros(own.unknowns.len());
         let (mut all, robot_kg) = (0.0, self.context.robot.tree.mass);
         for (term, places) in with_places(&own.terms, &self.context) {
@@ -618,32 +606,21 @@ impl<'m> Block<'m> {
         }
     }
 
-    /// The sides on which joints rest in the context of a fit to this log.
-    pub(in crate::diagnose) fn sides_of(&self, own: &[f64]) -> OwnSides {
-        let (robot, log) = (self.context.robot, &self.data.posture_context);
-        let layout = PostureContext::of(robot);
-        let postures = || (0..log.len()).step_by(layout.len());
-        let differs = |joint: &usize| {
-            let side = layout.side(*joint);
-            postures().any(|at| own[at + side].to_bits() != log[at + side].to_bits())
-        };
-        let joints: Vec<usize> = (0..robot.dof()).filter(differs).collect();
-        let sides = postures().flat_map(|at| joints.iter().map(move |j| own[at + layout.side(*j)]));
-        OwnSides {
-            sides: Arc::new(sides.collect()),
-            joints,
-        }
+    /// The sides on which joints rest in a posture context, posture by posture.
+    pub(in crate::diagnose) fn sides_of(&self, context: &[f64]) -> Arc<Vec<f64>> {
+        let (layout, dof) = (
+            PostureContext::of(self.context.robot),
+            self.context.robot.dof(),
+        );
+        let postures = context.chunks_exact(layout.len());
+        let sides = postures.flat_map(|own| (0..dof).map(|joint| own[layout.side(joint)]));
+        Arc::new(sides.collect())
     }
 
-    /// The context of this log with the sides of a fit in it.
-    pub(in crate::diagnose) fn context_of(&self, own: &OwnSides) -> Vec<f64> {
-        let mut context = self.data.posture_context.clone();
-        let places = own.joints.iter().enumerate();
-        for (place, joint) in places {
-            self.put_sides(&mut context, [*joint].into_iter(), |k, _, _| {
-                own.sides[k * own.joints.len() + place]
-            });
-        }
+    /// The context of this log with joints on these sides.
+    pub(in crate::diagnose) fn context_of(&self, sides: &[f64]) -> Vec<f64> {
+        let (mut context, dof) = (self.data.posture_context.clone(), self.context.robot.dof());
+        self.put_sides(&mut context, 0..dof, |k, joint, _| sides[k * dof + joint]);
         context
     }
 
@@ -717,12 +694,4 @@ pub(in crate::diagnose) fn run_alone(tape: &Tape, values: &[f64], postures: usiz
     let mut out = vec![0.0; postures * tape.outputs()];
     tape.run(&[Values::PerPosture(values)], postures, &mut out, FASTEST);
     out
-}
-
-/// The sides on which joints rest in a fit, where they are not those of the log's context.
-#[derive(Debug, Clone)]
-pub struct OwnSides {
-    joints: Vec<usize>,
-    /// Posture by posture.
-    sides: Arc<Vec<f64>>,
 }

@@ -25,11 +25,10 @@ use crate::lsq::transposed_times;
 const ROUNDS: usize = 4;
 
 impl Problem<'_> {
-    /// The best fit of a hypothesis from wherever it may be begun, to the postures of the first
-    /// block that it may `keep`.
-    pub fn fit(&self, terms: &[Term], parent: Option<&Fit>, keep: Option<&[bool]>) -> Fit {
+    /// The best fit of a hypothesis from wherever it may be begun.
+    pub fn fit(&self, terms: &[Term], parent: Option<&Fit>) -> Fit {
         let starts = self.starts(terms, parent).into_iter();
-        let fits = starts.map(|start| self.fit_from(terms, start, keep));
+        let fits = starts.map(|start| self.fit_from(terms, start));
         fits.min_by(|a, b| a.objective.total_cmp(&b.objective))
             .expect("there is a start")
     }
@@ -54,7 +53,7 @@ impl Problem<'_> {
         starts
     }
 
-    pub fn fit_from(&self, terms: &[Term], start: Vec<f64>, keep: Option<&[bool]>) -> Fit {
+    pub fn fit_from(&self, terms: &[Term], start: Vec<f64>) -> Fit {
         let slack = terms.iter().any(|term| term.dead_band().is_some());
         let outlying = terms.contains(&Term::Outliers);
         let mut unknowns = start;
@@ -72,15 +71,11 @@ impl Problem<'_> {
                         }
                     }
                 }
-                sides = Some(backlash_sides::settle(
-                    self,
-                    terms,
-                    &unknowns,
-                    fit.is_some(),
-                ));
+                let fitted = fit.is_some();
+                sides = Some(backlash_sides::settle(self, terms, &unknowns, fitted));
             }
             let held = (sides.as_deref(), outliers.as_ref());
-            let next = self.descend(terms, unknowns.clone(), held, keep);
+            let next = self.descend(terms, unknowns.clone(), held);
             let is_near = |fit: &Fit| (fit.objective - next.objective).abs() < SETTLED;
             let done = fit.as_ref().is_some_and(is_near);
             unknowns = next.unknowns.clone();
@@ -93,7 +88,8 @@ impl Problem<'_> {
             }
             if outlying {
                 let fit = fit.as_ref().expect("set above");
-                outliers = Some(Outliers::of(self.first().readings_of(&fit.blocks[0]), keep));
+                let readings = self.first().readings_of(&fit.blocks[0]);
+                outliers = Some(Outliers::of(readings, self.kept.as_deref()));
             }
         }
         fit.expect("at least one round")
@@ -105,7 +101,6 @@ impl Problem<'_> {
         terms: &[Term],
         start: Vec<f64>,
         (sides, outliers): (Option<&[Sides]>, Option<&Outliers>),
-        keep: Option<&[bool]>,
     ) -> Fit {
         let contexts = sides.map(|sides| {
             let contexts = sides.iter().map(|own| own.posture_context[..].into());
@@ -113,7 +108,7 @@ impl Problem<'_> {
         });
         let contexts = contexts.unwrap_or_else(|| self.posture_contexts(None));
         let sides = sides.unwrap_or_default();
-        let weighting = self.weighting(terms, outliers, keep);
+        let weighting = self.weighting(terms, outliers);
         let scales = self.scales(terms);
         let expand = |unknowns| self.state(terms, unknowns, &contexts, &weighting);
         let state = damped::minimise(expand(start), &scales, expand);
@@ -122,7 +117,7 @@ impl Problem<'_> {
         objective += sides.iter().map(|own| own.penalty).sum::<f64>();
         if let Some(outliers) = outliers {
             let residual = self.first().readings_of(&state.there[0]);
-            objective = outliers.objective(residual, keep, objective);
+            objective = outliers.objective(residual, self.kept.as_deref(), objective);
         }
         let mut blocks = state.there;
         for ((own, block), sides) in blocks.iter_mut().zip(&self.blocks).zip(sides) {
@@ -280,6 +275,13 @@ impl Weighting<'_> {
     pub fn weigh(&self, rows: &mut DMatrix<f64>) {
         let roots = self.root.iter().flatten().enumerate();
         roots.for_each(|(row, root)| rows.row_mut(row).scale_mut(*root));
+    }
+
+    /// Whitened residuals of a fit as they count.
+    pub fn residual(&self, fit: &Fit) -> DVector<f64> {
+        let mut residual = DMatrix::from_columns(&[fit.residual()]);
+        self.weigh(&mut residual);
+        residual.column(0).into_owned()
     }
 }
 

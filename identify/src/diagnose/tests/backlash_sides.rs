@@ -3,7 +3,6 @@
 use sesc_model::effects::PostureContext;
 
 use super::{Bench, gauss, term, values};
-use crate::diagnose::problem::ALL;
 use crate::diagnose::problem::backlash_sides::settle;
 
 const JOINT: &str = "r_ank_pitch";
@@ -72,7 +71,7 @@ fn readings_tell_the_side_where_both_hold() {
         });
         let problem = bench.certain(data);
         let own = [term(&problem, "backlash", JOINT)];
-        let fit = problem.fit(&own, None, ALL);
+        let fit = problem.fit(&own, None);
         let found = &values(&problem, &fit)[0];
         let pull = (found.value - width) / found.std;
         assert!(pull.abs() < 3.5, "{seed}: {found:?}");

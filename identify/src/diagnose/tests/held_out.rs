@@ -2,7 +2,7 @@
 
 use super::{Bench, NOISE, term};
 use crate::diagnose::held_out::{apart, cross_validate, of_cad, parts};
-use crate::diagnose::problem::{ALL, Problem};
+use crate::diagnose::problem::Problem;
 use crate::logs::{LogSource, Options, ROOM, Samples};
 use crate::observations::postures::Postures;
 
@@ -12,7 +12,7 @@ fn errors(problem: &Problem, effects: &[(&str, &str)]) -> crate::diagnose::findi
         .iter()
         .map(|(effect, target)| term(problem, effect, target))
         .collect();
-    let fit = problem.fit(&terms, None, ALL);
+    let fit = problem.fit(&terms, None);
     cross_validate(problem, &fit, &apart(problem, &fit))
 }
 

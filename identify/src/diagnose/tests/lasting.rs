@@ -7,7 +7,6 @@ use sesc_model::effects::Experiment;
 
 use super::{Bench, NOISE, about, gauss, term, together, values};
 use crate::diagnose::Verdict;
-use crate::diagnose::problem::ALL;
 use crate::diagnose::samples::{explained, of_logs};
 use crate::observations::correlation::{Correlation, Cut, Process};
 use crate::observations::postures::Postures;
@@ -84,7 +83,7 @@ fn deviations_of_two_logs_are_those_of_noise_that_lasts() {
         let first = of(0..cut, 2 * seed);
         let second = of(cut..ROWS, 2 * seed + 1);
         let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&first, name, "-"));
-        let both = together(&first, &second, Experiment::Postures).fit(&terms, None, ALL);
+        let both = together(&first, &second, Experiment::Postures).fit(&terms, None);
         let found = values(&first, &both);
         for (k, (found, truth)) in found.iter().zip([1.0, 1.0, 0.0, 0.0]).enumerate() {
             squares[k] += ((found.value - truth) / found.std).powi(2) / LOGS as f64;
@@ -143,7 +142,7 @@ fn deviations_are_those_of_noise_that_lasts() {
         let mut problem = bench.certain(log(&bench, 0..ROWS, seed));
         let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&problem, name, "-"));
         problem.correlate_noise(0, [1.0; 2], &[correlation; 2]);
-        let found = values(&problem, &problem.fit(&terms, None, ALL));
+        let found = values(&problem, &problem.fit(&terms, None));
         for (k, (found, truth)) in found.iter().zip([1.0, 1.0, 0.0, 0.0]).enumerate() {
             squares[k] += ((found.value - truth) / found.std).powi(2) / LOGS as f64;
         }
@@ -153,7 +152,7 @@ fn deviations_are_those_of_noise_that_lasts() {
         };
         problem.correlate_noise(0, [1.0; 2], &[white; 2]);
         // Readings are widened twice now: the deviation is √(rows per sample) times as large.
-        let again = values(&problem, &problem.fit(&terms, None, ALL));
+        let again = values(&problem, &problem.fit(&terms, None));
         let std = again[0].std / rows_per_sample.sqrt();
         as_white += ((again[0].value - 1.0) / std).powi(2) / LOGS as f64;
     }
@@ -175,7 +174,7 @@ fn intervals_hold_where_how_long_noise_lasts_is_estimated() {
         let t = plain.first().data.t.clone().unwrap();
         let terms = ["sensor_gain", "sensor_offset"].map(|name| term(&plain, name, "-"));
         let mut problem = plain.clone();
-        let mut fit = problem.fit(&terms, None, ALL);
+        let mut fit = problem.fit(&terms, None);
         for _ in 0..2 {
             let axes = [0, 1].map(|axis| {
                 let whole =
@@ -191,7 +190,7 @@ fn intervals_hold_where_how_long_noise_lasts_is_estimated() {
             });
             problem = plain.clone();
             problem.correlate_noise(0, [1.0; 2], &axes);
-            fit = problem.fit(&terms, None, ALL);
+            fit = problem.fit(&terms, None);
         }
         let found = values(&problem, &fit);
         for found in &found[..2] {

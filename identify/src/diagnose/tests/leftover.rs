@@ -3,7 +3,6 @@
 use super::{Bench, term};
 use crate::diagnose::findings::Suspect;
 use crate::diagnose::leftover::{Misfit, suspects};
-use crate::diagnose::problem::ALL;
 
 const POSTURES: usize = 100;
 
@@ -25,7 +24,7 @@ fn a_function_of_a_joint_goes_with_the_position_of_that_joint() {
             [4e-3, -2.5e-3].map(|weight| weight * f(q))
         });
         let problem = bench.certain(data);
-        let fit = problem.fit(&[], None, ALL);
+        let fit = problem.fit(&[], None);
         assert!(Misfit::of(&problem, &fit).is_clear(), "{joint}");
         let found = suspects(&problem, &fit);
         let position = Suspect::Position(joint.to_string());
@@ -43,10 +42,10 @@ fn what_grows_along_the_log_goes_with_its_place() {
         [0.0, 5e-3 * k as f64 / (POSTURES - 1) as f64]
     });
     let problem = bench.certain(data);
-    let found = suspects(&problem, &problem.fit(&[], None, ALL));
+    let found = suspects(&problem, &problem.fit(&[], None));
     assert_eq!(found[0].0, Suspect::Place, "{found:?}");
     // An effect that takes it leaves nothing.
-    let drift = problem.fit(&[term(&problem, "sensor_drift", "-")], None, ALL);
+    let drift = problem.fit(&[term(&problem, "sensor_drift", "-")], None);
     assert!(!Misfit::of(&problem, &drift).is_clear());
     let found = suspects(&problem, &drift);
     assert!(found.iter().all(|(_, share)| *share < 0.35), "{found:?}");
@@ -58,7 +57,7 @@ fn noise_goes_with_nothing() {
     for seed in 0..30 {
         let q = bench.balanced(60, seed);
         let problem = bench.problem(bench.log(&bench.world(), &q, seed), "tight");
-        let null = problem.fit(&[], None, ALL);
+        let null = problem.fit(&[], None);
         let misfit = Misfit::of(&problem, &null);
         assert!(!misfit.is_clear(), "{seed}: {misfit:?}");
         assert!(misfit.deviations().abs() < 4.0, "{seed}: {misfit:?}");
@@ -74,7 +73,7 @@ fn masses_are_not_expected_to_leave_their_part() {
     let q = bench.postures(60, 1);
     let of = |prior: &str| {
         let problem = bench.problem(bench.log(&bench.world(), &q, 1), prior);
-        Misfit::of(&problem, &problem.fit(&[], None, ALL))
+        Misfit::of(&problem, &problem.fit(&[], None))
     };
     // Flat CoP of two skewed joints sees six directions.
     assert!((of("free").expected - (120.0 - 6.0)).abs() < 1e-3);

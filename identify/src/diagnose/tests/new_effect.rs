@@ -9,7 +9,7 @@ use sesc_model::urdf::Shift;
 
 use super::{Bench, SKEW, request, says, table};
 use crate::diagnose::hypothesis::{Term, carried, effect_terms};
-use crate::diagnose::problem::{ALL, Block, Problem};
+use crate::diagnose::problem::{Block, Problem};
 use crate::diagnose::{Report, diagnose};
 use crate::fit::prior::Prior;
 use crate::observations::postures::Postures;
@@ -188,7 +188,7 @@ fn its_bounds_load_dead_band_and_experiments_are_those_it_states() {
     // A fit stays near its bound, and says that it was touched.
     let violation = eccentric[0].bound_violation(&problem.first().context, &[0.21]);
     assert!((violation[0] - 1.0).abs() < 1e-9);
-    let fit = problem.fit_from(&eccentric, vec![0.05], ALL);
+    let fit = problem.fit_from(&eccentric, vec![0.05]);
     assert!(fit.unknowns[0].abs() < 0.2);
     let effect = eccentric[0].effect().unwrap().effect;
     assert_eq!(effect.load_share(&[0.25], 1.0), 0.5);
@@ -201,5 +201,5 @@ fn its_bounds_load_dead_band_and_experiments_are_those_it_states() {
     let loose = [of("joint_loose", "all")];
     assert!(problem.first().slack_joints(&eccentric).is_empty());
     assert_eq!(problem.first().slack_joints(&loose), [(0, 0), (1, 0)]);
-    assert!(problem.fit(&loose, None, ALL).blocks[0].sides.is_some());
+    assert!(problem.fit(&loose, None).blocks[0].sides.is_some());
 }

@@ -11,7 +11,7 @@ use crate::diagnose::criteria::{CLASS_SCORE, TOLD_APART};
 use crate::diagnose::diagnosis::find;
 use crate::diagnose::experiment::{NextLog, proposed};
 use crate::diagnose::hypothesis::Term;
-use crate::diagnose::problem::{ALL, Block, Problem};
+use crate::diagnose::problem::{Block, Problem};
 use crate::fit::prior::Prior;
 use crate::observations::postures::Postures;
 use crate::robot::Robot;
@@ -121,8 +121,8 @@ fn turning_the_robot_tells_masses_that_differ_from_a_slope() {
     let world = bench.world().ground_slope([0.004, -0.006]).unwrap();
     let mut problem = bench.problem(bench.log(&world, &q, 7), "tight");
     let mut found = diagnosed(&mut problem);
-    let slope = problem.fit(&[term(&problem, "ground_slope", "-")], None, ALL);
-    let masses = problem.fit(&[Term::Masses], None, ALL);
+    let slope = problem.fit(&[term(&problem, "ground_slope", "-")], None);
+    let masses = problem.fit(&[Term::Masses], None);
     for (best, other) in [(&masses, &slope), (&slope, &masses)] {
         found.best = best.clone();
         found.class = vec![best.clone(), other.clone()];
@@ -159,8 +159,8 @@ fn logs_together_are_one_log() {
         let (whole, first) = (of(0, 120), of(0, 50));
         let both = together(&first, &of(50, 120), Experiment::Postures);
         let own = [term(&whole, effect, target)];
-        let at_once = whole.fit(&own, None, ALL);
-        let both = both.fit(&own, None, ALL);
+        let at_once = whole.fit(&own, None);
+        let both = both.fit(&own, None);
         let (ours, expected) = (both.score(), at_once.score());
         let off = (ours - expected).abs();
         assert!(off < 0.05, "{effect}: {ours}, not {expected}");
@@ -183,7 +183,7 @@ fn a_turned_robot_sees_the_slope_the_other_way() {
     let own = [term(&first, "ground_slope", "-")];
     let score = |there: f64, experiment: Experiment| {
         let second = bench.certain(bench.log(&slope(there), &q, 2));
-        together(&first, &second, experiment).fit(&own, None, ALL)
+        together(&first, &second, experiment).fit(&own, None)
     };
     let fit = score(-0.005, Experiment::Turned);
     let expected = 240.0 - 2.0;

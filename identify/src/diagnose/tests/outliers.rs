@@ -4,7 +4,6 @@ use nalgebra::DVector;
 
 use super::{Bench, gauss, term};
 use crate::diagnose::outliers::Outliers;
-use crate::diagnose::problem::ALL;
 
 /// Noise of 100 postures, and `far` deviations on every `every`-th.
 fn residual(seed: u64, every: usize, far: f64) -> DVector<f64> {
@@ -116,14 +115,14 @@ fn slips_do_not_move_the_effect_beside_them() {
     let problem = bench.certain(data);
     let offset = term(&problem, "joint_offset", "r_knee");
     let outliers = term(&problem, "cop_outliers", "-");
-    let fit = problem.fit(&[offset.clone(), outliers], None, ALL);
+    let fit = problem.fit(&[offset.clone(), outliers], None);
     assert_eq!(fit.outliers.as_ref().unwrap().named(), slips);
     let deviations = |fit: &crate::diagnose::problem::Fit| {
         (fit.unknowns[0] - 0.03).abs() / fit.covariance[(0, 0)].sqrt()
     };
     assert!(deviations(&fit) < 3.0, "{}", deviations(&fit));
     // Plain least squares follows the outliers.
-    assert!(deviations(&problem.fit(&[offset], None, ALL)) > 5.0);
+    assert!(deviations(&problem.fit(&[offset], None)) > 5.0);
     let found = bench
         .diagnose(problem.first().data.clone(), "tight")
         .diagnosis;

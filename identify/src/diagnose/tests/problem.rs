@@ -8,7 +8,7 @@ use sesc_reference::{Track, World};
 use super::{Bench, NOISE, gauss, term, values};
 use crate::diagnose::dictionary::Dictionary;
 use crate::diagnose::hypothesis::{Term, effect_terms, sorted};
-use crate::diagnose::problem::{ALL, Problem};
+use crate::diagnose::problem::Problem;
 use crate::diagnose::search::Search;
 
 const CELLS: [[f64; 2]; 4] = [[0.5, 0.4], [0.5, -0.4], [-0.5, -0.4], [-0.5, 0.4]];
@@ -165,7 +165,7 @@ fn values_are_found_and_their_deviations_are_honest() {
         for seed in 0..SEEDS {
             let mut gauss = gauss(100 + seed);
             problem.blocks[0].data.reading = clean.iter().map(|x| x + NOISE * gauss()).collect();
-            let fit = problem.fit(&own, None, ALL);
+            let fit = problem.fit(&own, None);
             let found = values(&problem, &fit);
             assert_eq!(found.len(), truth.len());
             for (found, value) in found.iter().zip(&truth) {
@@ -256,7 +256,7 @@ fn what_an_effect_gains_is_what_its_fit_comes_to_with_masses_known_and_free() {
     let problem = bench.problem(data, "tight");
     let dictionary = Dictionary::new(&problem, None);
     for parent in [vec![], vec![Term::Masses]] {
-        let before = problem.fit(&parent, None, ALL);
+        let before = problem.fit(&parent, None);
         let gains = dictionary.gains(&before, &problem);
         let mut asked = 0;
         for (candidate, gain) in dictionary.candidates.iter().zip(gains) {
@@ -265,7 +265,7 @@ fn what_an_effect_gains_is_what_its_fit_comes_to_with_masses_known_and_free() {
             }
             let terms = [&parent[..], std::slice::from_ref(&candidate.term)].concat();
             let terms = sorted(&problem.first().context, &terms);
-            let fit = problem.fit(&terms, None, ALL);
+            let fit = problem.fit(&terms, None);
             let offset = fit.unknowns_of(&problem.first().context, &candidate.term);
             if offset.is_none_or(|offset| offset[0].abs() > 0.04) {
                 // Readings are linear in small offsets alone.

@@ -1,4 +1,4 @@
-//! Rows of a part of the postures: over their deviations, and as they are.
+//! Rows of a part of the postures: over their deviations, and as they are; and how they get there.
 
 use std::borrow::Cow;
 
@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::lsq::factor::Factor;
 use crate::lsq::solve::{Seen, with_prior};
+use crate::observations::row_matrix::RowMatrix;
+use crate::threads::each;
 
 /// Rows of one fold, or of several.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -81,4 +83,57 @@ impl Fold {
         }
         self.weighted.merge(&more.weighted);
     }
+}
+
+/// What becomes of rows.
+pub(in crate::fit) enum Goal {
+    /// They are weighed; and taken as they are where one number does not make those of them.
+    Both,
+    /// They are weighed alone.
+    Weighted,
+    /// They are taken as they are.
+    Plain,
+}
+
+/// Rows for all folds.
+pub(in crate::fit) struct Work {
+    pub matrix: RowMatrix,
+    pub reading: DVector<f64>,
+    /// Numbers of the rows of each fold, and their weights.
+    pub shares: Vec<Vec<(usize, f64)>>,
+    pub goal: Goal,
+}
+
+impl Work {
+    fn fold(&self, index: usize, fold: &mut Fold) {
+        let share = &self.shares[index];
+        let Some((_, weight)) = share.first() else {
+            return;
+        };
+        let is_one = *weight > 0.0 && share.iter().all(|(_, own)| own == weight);
+        let is_plain = match self.goal {
+            Goal::Both => !(is_one && fold.takes(1.0 / weight)),
+            Goal::Weighted => false,
+            Goal::Plain => true,
+        };
+        if is_plain {
+            let plain = share.iter().map(|(row, _)| (*row, 1.0));
+            fold.part_plain()
+                .push_rows(&self.matrix, &self.reading, plain);
+        }
+        if !matches!(self.goal, Goal::Plain) {
+            let weighted = share.iter().copied();
+            fold.weighted
+                .push_rows(&self.matrix, &self.reading, weighted);
+        }
+    }
+}
+
+/// Fold rows in, each fold by one thread and in the order of the rows: what it comes to does not
+/// depend on how many threads there are.
+pub(in crate::fit) fn fold_in(work: &[Work], folds: &mut [Fold]) {
+    let rows = work.iter().map(|work| work.matrix.rows()).sum();
+    each(rows, folds.iter_mut().enumerate(), |(index, fold)| {
+        work.iter().for_each(|work| work.fold(index, fold));
+    });
 }

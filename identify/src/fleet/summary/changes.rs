@@ -28,14 +28,15 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::FisherSnedecor;
 
-use super::history::{Course, History, Key, Parameter, Step};
-use super::history::{explained, freedom, median, principal, steps, tail};
+use super::history::{Course, History, Key, Step, explained, freedom, principal, steps, tail};
 use super::shared::one_in;
 use super::{DIFFERENCES, FALSE_ALARM, HYPOTHESES, ROBOTS, UNSEEN};
 use crate::diagnose::Quantity;
 use crate::diagnose::words::{capital, named};
 use crate::fleet::row::{Row, by_number};
 use crate::health::Finding;
+use crate::observations::noise::quantile;
+use crate::observations::postures::range;
 
 /// What kind of thing changed; its name in JSON is in small letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -198,7 +199,7 @@ fn effects(
     let mut all = Vec::new();
     for key in history.keys() {
         let found = rows.iter().filter_map(|row| key.found(row));
-        let Some(Parameter { name, absent }) = principal(found) else {
+        let Some((name, absent)) = principal(found) else {
             continue;
         };
         let course = course_of_effect(rows, key, name);
@@ -231,12 +232,10 @@ fn course_of_effect<'r>(rows: &[&'r Row], key: Key, parameter: &str) -> Course<'
         None => Some((*row, None)),
     };
     let known: Vec<(&Row, Option<Quantity>)> = rows.iter().filter_map(of).collect();
-    let stds = known
-        .iter()
-        .filter_map(|(_, size)| Some(size.as_ref()?.std));
+    let stds = known.iter().filter_map(|(_, size)| Some((*size)?.std));
     let unseen = Quantity {
         value: 0.0,
-        std: UNSEEN * median(stds).unwrap_or(0.0),
+        std: UNSEEN * quantile(stds, 0.5).unwrap_or(0.0),
     };
     let known = known.into_iter();
     Course::of(known.map(|(row, size)| (row, size.unwrap_or(unseen))))
@@ -263,17 +262,14 @@ fn parameters(rows: &[&Row], widening: &[f64], robots: f64) -> Vec<Change> {
         1 => ". Another parameter changes, too".to_string(),
         n => format!(". {n} other parameters change, too"),
     };
-    let clearest = |steps: &[Step]| {
-        let chances = steps.iter().map(|step| step.chance);
-        chances.fold(f64::INFINITY, f64::min)
-    };
+    let clearest = |steps: &[Step]| range(steps.iter().map(|step| step.chance)).0;
     let changed = changed.into_iter();
     let named = changed.min_by(|a, b| clearest(&a.2).total_cmp(&clearest(&b.2)));
     let Some((k, course, steps)) = named else {
         return Vec::new();
     };
-    let name = first.names.get(k);
-    let name = name.map_or_else(|| format!("parameter {}", k + 1), String::clone);
+    let name = first.names.get(k).cloned();
+    let name = name.unwrap_or_else(|| format!("parameter {}", k + 1));
     let say = |Quantity { value, std }| format!("{:.3} ± {:.3} mm", 1e3 * value, 1e3 * std);
     let remark = format!("; no effect is named for it{others}");
     let of = |step: &Step| {
@@ -306,12 +302,9 @@ fn widening(histories: &[History]) -> Vec<f64> {
         }
     }
     let together = widening_of(squares.iter().flatten().copied());
-    let each = |own: Vec<f64>| {
-        if own.len() < DIFFERENCES {
-            together
-        } else {
-            widening_of(own)
-        }
+    let each = |own: Vec<f64>| match own.len() {
+        0..DIFFERENCES => together,
+        _ => widening_of(own),
     };
     squares.into_iter().map(each).collect()
 }
@@ -333,9 +326,8 @@ fn scatter(histories: &[History]) -> f64 {
     if pairs.len() < ROBOTS {
         return 1.0;
     }
-    let squares = pairs
-        .iter()
-        .flat_map(|[one, other]| squares_between(one, other));
+    let pairs = pairs.into_iter();
+    let squares = pairs.flat_map(|[one, other]| squares_between(one, other));
     widening_of(squares.flatten())
 }
 
@@ -344,7 +336,7 @@ fn scatter(histories: &[History]) -> f64 {
 fn widening_of(squares: impl IntoIterator<Item = f64>) -> f64 {
     // Of the square of a standard normal number the median is 0.455.
     let wider = |median: f64| (median / 0.454_936).max(1.0).sqrt();
-    median(squares).map_or(1.0, wider)
+    quantile(squares.into_iter(), 0.5).map_or(1.0, wider)
 }
 
 /// Squared differences of two days over their variance, parameter by parameter; none where a day
@@ -369,10 +361,10 @@ fn size(row: &Row, k: usize, widening: f64) -> Option<Quantity> {
 fn chance_of_parameters(before: &[&Row], after: &[&Row], widening: f64) -> f64 {
     let differing = || {
         let uncertain = uncertain(before.iter().chain(after).copied())?;
-        let (one, other) = (mean(before, &uncertain)?, mean(after, &uncertain)?);
-        let n = uncertain.len() as f64;
-        let gap = other.value - one.value;
-        let together = (one.covariance + other.covariance).cholesky()?;
+        let (one, of_one) = mean(before, &uncertain)?;
+        let (other, of_other) = mean(after, &uncertain)?;
+        let (n, gap) = (uncertain.len() as f64, other - one);
+        let together = (of_one + of_other).cholesky()?;
         let ratio = gap.dot(&together.solve(&gap)) / (n * widening * widening);
         let law = FisherSnedecor::new(n, freedom(before) + freedom(after)).ok()?;
         Some(tail(&law, ratio))
@@ -396,14 +388,9 @@ fn uncertain<'r>(rows: impl Iterator<Item = &'r Row>) -> Option<Vec<usize>> {
     (!uncertain.is_empty()).then_some(uncertain)
 }
 
-/// Mean of some parameters of several days, and its covariance.
-struct Mean {
-    value: DVector<f64>,
-    covariance: DMatrix<f64>,
-}
-
-/// The mean of the parameters `of` these rows; none where no day has a covariance of them.
-fn mean(rows: &[&Row], of: &[usize]) -> Option<Mean> {
+/// The mean of the parameters `of` these rows, and its covariance; none where no day has a
+/// covariance of them.
+fn mean(rows: &[&Row], of: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let of_day = |row: &&Row| {
         let own = row.covariance()?.select_rows(of).select_columns(of);
         let precision = own.cholesky()?.inverse();
@@ -413,21 +400,16 @@ fn mean(rows: &[&Row], of: &[usize]) -> Option<Mean> {
     let days = rows.iter().filter_map(of_day);
     let (vector, precision) = days.reduce(|sum, day| (sum.0 + day.0, sum.1 + day.1))?;
     let factor = precision.cholesky()?;
-    Some(Mean {
-        value: factor.solve(&vector),
-        covariance: factor.inverse(),
-    })
+    Some((factor.solve(&vector), factor.inverse()))
 }
 
 /// The chance that held-out gaps differ so much where nothing changed.
 fn chance_of_gaps(before: &[&Row], after: &[&Row]) -> f64 {
     let pooled = |rows: &[&Row]| {
-        let known = rows
-            .iter()
-            .filter_map(|row| Some((freedom(&[row]), row.held_out_rmse?)));
-        let (squares, free) = known.fold((0.0, 0.0), |(squares, free), (own, rmse)| {
-            (squares + own * rmse * rmse, free + own)
-        });
+        let known = rows.iter().filter(|row| row.held_out_rmse.is_some());
+        let known: Vec<&Row> = known.copied().collect();
+        let square = |row: &&Row| freedom(&[row]) * row.held_out_rmse.unwrap_or(0.0).powi(2);
+        let (squares, free) = (known.iter().map(square).sum::<f64>(), freedom(&known));
         (free > 0.0).then_some((squares / free, free))
     };
     let (Some(mut larger), Some(mut smaller)) = (pooled(before), pooled(after)) else {

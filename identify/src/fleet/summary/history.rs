@@ -27,6 +27,7 @@ use super::{FALSE_ALARM, LEAST_FREEDOM, ONSET};
 use crate::diagnose::{Quantity, subject};
 use crate::fleet::row::{Absent, EffectFound, Row, by_number};
 use crate::health::Finding;
+use crate::observations::postures::range;
 
 /// An effect at a target, of a row or a finding.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -148,16 +149,11 @@ impl<'r> History<'r> {
     }
 }
 
-/// A parameter that stands for an effect.
-#[derive(Clone, Copy)]
-pub(super) struct Parameter<'r> {
-    pub name: &'r str,
-    /// What it is without the effect.
-    pub absent: Absent,
-}
-
-/// The parameter of an effect that is largest beside its deviation; of a mass itself, wherever it is.
-pub(super) fn principal<'r>(found: impl Iterator<Item = &'r EffectFound>) -> Option<Parameter<'r>> {
+/// The parameter of an effect that is largest beside its deviation; of a mass itself, wherever it
+/// is; and what it is without the effect.
+pub(super) fn principal<'r>(
+    found: impl Iterator<Item = &'r EffectFound>,
+) -> Option<(&'r str, Absent)> {
     // How clearly rows tell it.
     let mut told: BTreeMap<&str, (f64, Absent)> = BTreeMap::new();
     for found in found {
@@ -171,10 +167,7 @@ pub(super) fn principal<'r>(found: impl Iterator<Item = &'r EffectFound>) -> Opt
     let mass = told.iter().find(|(name, _)| name.ends_with("_kg"));
     let largest = || told.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0));
     let (name, (_, absent)) = mass.or_else(largest)?;
-    Some(Parameter {
-        name,
-        absent: *absent,
-    })
+    Some((name, *absent))
 }
 
 /// Mean of values with deviations of their own, which scatter by more if they do.
@@ -188,34 +181,24 @@ pub(super) fn principal<'r>(found: impl Iterator<Item = &'r EffectFound>) -> Opt
 /// deviation, and τ.
 pub(super) fn pooled(values: &[Quantity]) -> Option<(Quantity, f64)> {
     let known: Vec<Quantity> = values.iter().copied().filter(|v| v.std > 0.0).collect();
-    if known.is_empty() {
-        return None;
-    }
+    let weight = |v: &Quantity, tau2: f64| 1.0 / (v.std * v.std + tau2);
     let mean = |tau2: f64| {
-        let weight = |v: &Quantity| 1.0 / (v.std * v.std + tau2);
-        let sum: f64 = known.iter().map(weight).sum();
-        let value = known.iter().map(|v| weight(v) * v.value).sum::<f64>() / sum;
+        let sum: f64 = known.iter().map(|v| weight(v, tau2)).sum();
+        let value = known.iter().map(|v| weight(v, tau2) * v.value).sum::<f64>() / sum;
         (value, sum)
     };
     let (first, sum) = mean(0.0);
-    let u = |v: &Quantity| 1.0 / (v.std * v.std);
-    let q: f64 = known.iter().map(|v| u(v) * (v.value - first).powi(2)).sum();
-    let squares: f64 = known.iter().map(|v| u(v) * u(v)).sum();
-    let free = known.len() as f64 - 1.0;
+    let square = |v: &Quantity| weight(v, 0.0) * (v.value - first).powi(2);
+    let q: f64 = known.iter().map(square).sum();
+    let squares: f64 = known.iter().map(|v| weight(v, 0.0).powi(2)).sum();
     let tau2 = match known.len() {
+        0 => return None,
         1 => 0.0,
-        _ => ((q - free) / (sum - squares / sum)).max(0.0),
+        n => ((q - (n as f64 - 1.0)) / (sum - squares / sum)).max(0.0),
     };
     let (value, sum) = mean(tau2);
     let std = sum.sqrt().recip();
     Some((Quantity { value, std }, tau2.sqrt()))
-}
-
-/// The middle one of some values, by their size.
-pub(super) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.into_iter().collect();
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// A number by day.
@@ -345,10 +328,9 @@ fn days_of_95_percent(sizes: &[Quantity]) -> RangeInclusive<usize> {
         let square = |size: &Quantity| ((size.value - mean) / size.std).powi(2);
         of.iter().map(square).sum::<f64>()
     };
-    let chi2: Vec<f64> = (1..sizes.len())
-        .map(|k| left(&sizes[..k]) + left(&sizes[k..]))
-        .collect();
-    let least = chi2.iter().copied().fold(f64::INFINITY, f64::min);
+    let chi2 = (1..sizes.len()).map(|k| left(&sizes[..k]) + left(&sizes[k..]));
+    let chi2: Vec<f64> = chi2.collect();
+    let (least, _) = range(chi2.iter().copied());
     let weights = chi2.iter().map(|chi2| (-0.5 * (chi2 - least)).exp());
     let mut days: Vec<(usize, f64)> = (1..).zip(weights).collect();
     days.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -359,10 +341,10 @@ fn days_of_95_percent(sizes: &[Quantity]) -> RangeInclusive<usize> {
         held += weight;
         before <= 0.95 * all
     });
-    let mut days: Vec<usize> = likeliest.map(|(day, _)| *day).collect();
-    days.sort_unstable();
-    let first = days.first().map_or(sizes.len(), |day| *day);
-    first..=days.last().map_or(0, |day| *day)
+    let ends = |(first, last): (usize, usize), day: usize| (first.min(day), last.max(day));
+    let likeliest = likeliest.map(|(day, _)| *day);
+    let (first, last) = likeliest.fold((sizes.len(), 0), ends);
+    first..=last
 }
 
 /// Chance of `x` or more. Numbers that come from a file may be anything, of which laws take those

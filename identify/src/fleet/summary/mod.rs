@@ -193,10 +193,10 @@ pub struct Statement {
 impl Reason {
     /// How often a sound robot is listed so, as words: `in 1 of 40 robots`.
     pub fn chance_in_words(&self) -> String {
-        match self.chance {
-            p if p <= 0.0 => "never".to_string(),
-            p => format!("in {} robots", one_in(p)),
+        if self.chance <= 0.0 {
+            return "never".to_string();
         }
+        format!("in {} robots", one_in(self.chance))
     }
 
     /// The places that the robot may have, as words: `1`, or `2 to 4`.
@@ -271,28 +271,23 @@ fn statements(history: &History, shared: &[Shared], changes: &[Change]) -> Vec<S
         let chance = change.chance.unwrap_or(0.0);
         all.push(Statement::new(weight, chance, sentence));
     }
-    let mut keys = history.keys();
-    keys.retain(|key| lasts(history, *key));
-    for key in keys {
+    let keys = history.keys().into_iter();
+    for key in keys.filter(|key| lasts(history, *key)) {
         let group = shared.iter().find(|group| {
             (&*group.effect, &*group.target) == (key.effect, key.target)
                 && group.robots.iter().any(|robot| robot == history.robot)
         });
-        let (name, what) = (key.label(), key.subject());
-        match group {
-            Some(group) => {
-                let others = match group.robots.len().saturating_sub(1) {
-                    1 => "1 other".to_string(),
-                    n => format!("{n} others"),
-                };
-                let sentence = format!("It shares {what} with {others}.");
-                all.push(Statement::new(2.0, group.chance, sentence));
-            }
-            None if own().any(|change| change.target == name) => {}
-            None => {
-                let sentence = format!("It has {what}; no group of robots shares it.");
-                all.push(Statement::new(3.0, chance_of(history, key), sentence));
-            }
+        let what = key.subject();
+        if let Some(group) = group {
+            let others = match group.robots.len().saturating_sub(1) {
+                1 => "1 other".to_string(),
+                n => format!("{n} others"),
+            };
+            let sentence = format!("It shares {what} with {others}.");
+            all.push(Statement::new(2.0, group.chance, sentence));
+        } else if !own().any(|change| change.target == key.label()) {
+            let sentence = format!("It has {what}; no group of robots shares it.");
+            all.push(Statement::new(3.0, chance_of(history, key), sentence));
         }
     }
     all.extend(unexplained(history));
@@ -322,15 +317,12 @@ fn data(history: &History) -> Vec<Statement> {
     let last = rows.last().map_or(&[][..], |row| &row.health);
     let all: Vec<&Finding> = rows.iter().flat_map(|row| &row.health).collect();
     let statement = |(at, finding): (usize, &&Finding)| {
-        let key = Key::of_finding(finding);
-        let is_it = |other: &&&Finding| Key::of_finding(other) == key;
-        if all[..at].iter().any(|other| is_it(&other)) {
-            return None;
-        }
-        let days = all.iter().filter(is_it).count();
+        let is_it = |other: &Finding| Key::of_finding(other) == Key::of_finding(finding);
+        let is_first = !all[..at].iter().any(|other| is_it(other));
+        let days = all.iter().filter(|other| is_it(other)).count();
         let unusable = finding.kind.makes_unusable();
-        let is_urgent = unusable || last.iter().any(|other| Key::of_finding(other) == key);
-        (days > 1 || is_urgent).then(|| {
+        let counts = days > 1 || unusable || last.iter().any(is_it);
+        (is_first && counts).then(|| {
             let weight = if unusable { 6.0 } else { 5.0 };
             let chance = chance_of_days(days, rows.len());
             Statement::new(weight, chance, finding.sentence.clone())
@@ -358,12 +350,10 @@ fn lasts(history: &History, key: Key) -> bool {
 fn unexplained(history: &History) -> Option<Statement> {
     let rows: Vec<&Row> = history.usable().collect();
     let is_open = |row: &&&Row| row.verdict == Some(Verdict::Unexplained);
-    let count = rows.iter().filter(is_open).count();
-    let lasts = count > 1 && 2 * count >= rows.len();
-    lasts.then(|| {
-        let sentence = format!("{count} of {} days are unexplained.", rows.len());
-        Statement::new(3.5, chance_of_days(count, rows.len()), sentence)
-    })
+    let (count, days) = (rows.iter().filter(is_open).count(), rows.len());
+    let sentence = format!("{count} of {days} days are unexplained.");
+    let statement = Statement::new(3.5, chance_of_days(count, days), sentence);
+    (count > 1 && 2 * count >= days).then_some(statement)
 }
 
 fn errors(history: &History) -> Option<Statement> {

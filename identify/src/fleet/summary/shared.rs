@@ -53,11 +53,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 use sesc_model::text::listed;
 
-use super::history::{History, Key, Parameter, median, pooled, principal};
+use super::history::{History, Key, pooled, principal};
 use super::{ALIKE, CLEARLY, DIFFER, FALSE_ALARM, OWN};
 use crate::diagnose::words::{named, spoken};
 use crate::diagnose::{CLASS_SCORE, Quantity, TOLD_APART};
-use crate::fleet::row::Row;
+use crate::fleet::row::{Absent, Row};
+use crate::observations::noise::quantile;
 use crate::observations::postures::range;
 
 /// An effect that robots share.
@@ -120,7 +121,8 @@ struct Member<'r> {
 /// An effect at a target, in every robot that it is known of.
 struct Candidate<'r> {
     key: Key<'r>,
-    parameter: Parameter<'r>,
+    /// The parameter that stands for it, and what that is without it.
+    parameter: (&'r str, Absent),
     /// Robots that no group holds yet.
     members: Vec<Member<'r>>,
     /// What bodies of this fleet make of the effect, a deviation.
@@ -161,8 +163,8 @@ pub(super) fn shared(histories: &[History]) -> Vec<Shared> {
         // Whoever looks for a further group looks once more.
         let looks = (looked_at / ALIKE).max(1.0) * (1 + found.len()) as f64;
         let groups = open.iter().filter_map(|own| {
-            let group = own.group(largest[own.key.effect], histories.len(), alike, looks)?;
-            Some((own, group))
+            let largest = largest[own.key.effect];
+            Some((own, own.group(largest, histories.len(), alike, looks)?))
         });
         let Some((best, group)) = groups.max_by(|a, b| a.1.sum.total_cmp(&b.1.sum)) else {
             break;
@@ -208,9 +210,8 @@ fn candidate<'r>(histories: &[History<'r>], key: Key<'r>) -> Option<Candidate<'r
     let parameter = principal(rows.filter_map(|row| key.scored(row)))?;
     let member = |history: &History<'r>| {
         let scores = history.usable().filter_map(|row| key.scored(row));
-        let (sizes, evidence): (Vec<Quantity>, Vec<f64>) = scores
-            .filter_map(|found| Some((found.away(parameter.name)?, found.evidence)))
-            .unzip();
+        let scores = scores.filter_map(|own| Some((own.away(parameter.0)?, own.evidence)));
+        let (sizes, evidence): (Vec<Quantity>, Vec<f64>) = scores.unzip();
         let (size, _) = pooled(&sizes)?;
         Some(Member {
             robot: history.robot,
@@ -225,9 +226,9 @@ fn candidate<'r>(histories: &[History<'r>], key: Key<'r>) -> Option<Candidate<'r
     // In robots whose rows do not score it, it is none. Half of all normal numbers are within 0.674
     // deviations; what most robots share is no spread.
     sizes.resize(histories.len(), 0.0);
-    let middle = median(sizes.iter().copied())?;
-    let spread = median(sizes.iter().map(|size| (size - middle).abs()))? / 0.674_490;
-    let by_bodies = spread.powi(2) - median(members.iter().map(|m| m.size.std))?.powi(2);
+    let middle = quantile(sizes.iter().copied(), 0.5)?;
+    let spread = quantile(sizes.iter().map(|size| (size - middle).abs()), 0.5)? / 0.674_490;
+    let by_bodies = spread.powi(2) - quantile(members.iter().map(|m| m.size.std), 0.5)?.powi(2);
     (members.len() > 1).then_some(Candidate {
         key,
         parameter,
@@ -266,18 +267,15 @@ impl<'r> Candidate<'r> {
             let pairs = members.iter().zip(&without);
             pairs.map(|(m, without)| of_group(m) / without).collect()
         };
-        let width = median(members.iter().map(std))?;
+        let width = quantile(members.iter().map(std), 0.5)?;
         // Robots whose size is all alike are looked at once.
         let mut places: Vec<f64> = members.iter().map(|m| m.size.value).collect();
         places.retain(|at| at.abs() > width);
         places.sort_by(f64::total_cmp);
         places.dedup_by(|a, b| (*a - *b).abs() < 0.5 * width.max(DIFFER * b.abs()));
-        let parts: Vec<f64> = (1..)
-            .map(|k| 2.0_f64.powi(k))
-            .take_while(|k| *k < robots as f64)
-            .map(|k| k / robots as f64)
-            .chain([1.0 - OWN])
-            .collect();
+        let doubled = (1..).map(|k| 2.0_f64.powi(k) / robots as f64);
+        let parts = doubled.take_while(|part| *part < 1.0).chain([1.0 - OWN]);
+        let parts: Vec<f64> = parts.collect();
         // The mean over π, and the likeliest one.
         let by_part = |at: f64| {
             let ratios = ratios(at);
@@ -336,18 +334,12 @@ impl<'r> Candidate<'r> {
     }
 
     /// What the robots of a group share.
-    fn shared(
-        &self,
-        Group {
-            members, chance, ..
-        }: &Group,
-        instead: Vec<String>,
-    ) -> Shared {
-        let sizes: Vec<Quantity> = members.iter().map(|m| m.size).collect();
+    fn shared(&self, group: &Group, instead: Vec<String>) -> Shared {
+        let sizes: Vec<Quantity> = group.members.iter().map(|m| m.size).collect();
         let (size, own_std) = pooled(&sizes).unwrap_or_default();
         let own_std_interval = interval(&sizes, own_std).unwrap_or([0.0, own_std]);
         // As people know the parameter, and not from what it is without the effect.
-        let Parameter { name, absent } = self.parameter;
+        let (name, absent) = self.parameter;
         let back = |away: Quantity| absent.back(away);
         let spread = |std: f64| back(Quantity { std, ..size }).std;
         let (own_std, own_std_interval) = (spread(own_std), own_std_interval.map(spread));
@@ -357,7 +349,7 @@ impl<'r> Candidate<'r> {
             let robot = member.robot.to_string();
             SharedMember { robot, value, std }
         };
-        let mut members: Vec<SharedMember> = members.iter().map(of_robot).collect();
+        let mut members: Vec<SharedMember> = group.members.iter().map(of_robot).collect();
         members.sort_by(|a, b| a.robot.cmp(&b.robot));
         let robots: Vec<String> = members.iter().map(|member| member.robot.clone()).collect();
         let said = named(name, size.value, size.std);
@@ -370,7 +362,7 @@ impl<'r> Candidate<'r> {
             "{} robots share {}: {said}; {own}. {as_well}Chance would make such a group in {} fleets.",
             robots.len(),
             self.key.subject(),
-            one_in(*chance)
+            one_in(group.chance)
         );
         Shared {
             effect: self.key.effect.to_string(),
@@ -383,7 +375,7 @@ impl<'r> Candidate<'r> {
             own_std_interval,
             members,
             instead,
-            chance: *chance,
+            chance: group.chance,
             sentence,
         }
     }
@@ -391,13 +383,11 @@ impl<'r> Candidate<'r> {
 
 /// How far robots are from what they share, with its 95 % interval.
 fn own_in_words(parameter: &str, own_std: f64, [low, high]: [f64; 2]) -> String {
-    let say = |value: f64| {
+    let [own, low, high] = [own_std, low, high].map(|value| {
         let said = spoken(parameter, value, 0.0);
         said.split(" ±").next().unwrap_or(&said).to_string()
-    };
-    let high = say(high);
+    });
     if own_std > 0.0 {
-        let (own, low) = (say(own_std), say(low));
         format!("each differs from it by {own} RMS (95 %: {low} to {high})")
     } else {
         format!("they differ by no more than their uncertainty (95 %: at most {high} RMS)")

@@ -19,7 +19,7 @@ use std::ops::Range;
 use sesc_model::Model;
 
 use super::LogRows;
-use super::screen::{End, LeftOut, key, reading_of};
+use super::screen::{EVERYWHERE, LeftOut, key, reading_of};
 use crate::Error;
 use crate::health::criteria::{FEW_ROWS, FINE, MORE_OFTEN, NEARLY_ALL, SOME_ROWS, UNKNOWN_NOISE_M};
 use crate::health::view::scatter;
@@ -72,23 +72,22 @@ pub(super) fn saturated(
             let about = (Kind::ChannelSaturated, &*name, sentence);
             found.push(rows.finding(about, &title, |k| scale * rows.value(k, channel), meant));
         };
-        let signs: &[f64] = if of_cells { &[1.0] } else { &[1.0, -1.0] };
-        for &sign in signs {
+        for sign in [1.0, -1.0].into_iter().take(if of_cells { 1 } else { 2 }) {
             let signed: Vec<f64> = values.iter().map(|x| sign * x).collect();
-            let Some((at, count)) = end(rows, &kept, &signed) else {
+            let Some((most, count)) = end(rows, &kept, &signed) else {
                 continue;
             };
-            let (of, therefore) = if of_cells {
-                let therefore = "the cell is saturated there. The effect cell_saturation says what \
-                                 is missing; check";
-                (format!("{} rows", values.len()), therefore)
-            } else {
-                let axis = channel;
-                left_out.ends.push(End { axis, sign, at });
-                let therefore = "the channel is saturated there; these rows are left out. Check";
-                (rows.total(), therefore)
-            };
-            let at = sign * at;
+            let at = sign * most;
+            let mut of = format!("{} rows", values.len());
+            let mut therefore = "the cell is saturated there. The effect cell_saturation says \
+                                 what is missing; check";
+            if !of_cells {
+                // It lies within what was found before.
+                let within = left_out.within.get_or_insert(EVERYWHERE);
+                within[usize::from(sign > 0.0)][channel] = at;
+                of = rows.total();
+                therefore = "the channel is saturated there; these rows are left out. Check";
+            }
             let sentence = format!(
                 "{name} ends at {:.1} {unit}, where {count} of {of} are: {therefore} its range and \
                  amplifier.",
@@ -187,11 +186,8 @@ fn frozen_runs(rows: &LogRows, kept: &[usize], channel: usize) -> Vec<(Range<usi
     }
     let mut lengths: Vec<usize> = runs.iter().map(Range::len).collect();
     lengths.sort_unstable();
-    // A channel that never moves is another finding.
-    if runs.len() < 2 {
-        return Vec::new();
-    }
-    let longest = FEW_ROWS.max(MORE_OFTEN * lengths[lengths.len() / 2]);
+    let usual = lengths.get(lengths.len() / 2).copied().unwrap_or(0);
+    let longest = FEW_ROWS.max(MORE_OFTEN * usual);
     let frozen = runs.into_iter().filter_map(|run| {
         let value = values[run.start];
         let mut others = values[..run.start].iter().chain(&values[run.end..]);
@@ -202,6 +198,7 @@ fn frozen_runs(rows: &LogRows, kept: &[usize], channel: usize) -> Vec<(Range<usi
             (high - low).powi(2)
         };
         let moved = axes.clone().map(moves).sum::<f64>().sqrt();
+        // A channel that never moves is another finding.
         let is_frozen = run.len() > longest && !clipped && moved > least;
         is_frozen.then_some((run, moved, value))
     });
@@ -211,39 +208,34 @@ fn frozen_runs(rows: &LogRows, kept: &[usize], channel: usize) -> Vec<(Range<usi
 pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let n = rows.len();
     let kept = rows.kept(left_out);
-    let mut frozen: [HashSet<usize>; 2] = Default::default();
-    let mut runs = Vec::new();
-    let channels = if rows.cells() > 0 { 1 } else { 2 };
-    for (channel, frozen) in frozen.iter_mut().enumerate().take(channels) {
+    let of_cells = rows.cells() > 0;
+    let mut frozen: HashSet<usize> = HashSet::new();
+    let (mut runs, mut counts) = (Vec::new(), [0, 0]);
+    for channel in 0..if of_cells { 1 } else { 2 } {
         for (run, moved, value) in frozen_runs(rows, &kept, channel) {
             frozen.extend(&kept[run.clone()]);
             left_out.frozen.insert((channel, value));
-            runs.push((run, moved));
+            counts[channel] += 1;
+            runs.push((run, 1e3 * moved));
         }
     }
-    let count = runs.len();
     // The first of the longest ones.
     let (run, moved) = runs.into_iter().rev().max_by_key(|(run, _)| run.len())?;
-    let (from, to) = (kept[run.start], kept[run.end - 1]);
-    let is_frozen = |k: usize| frozen.iter().any(|own| own.contains(&k));
-    let rows_frozen = (0..n).filter(|&k| is_frozen(k)).count();
     // Target of the finding, what stays, and the axis that shows it. A stretch of both axes was
     // counted on each.
-    let (target, what, axis, stretches) = match (rows.cells() > 0, frozen[0].len(), frozen[1].len())
-    {
-        (true, ..) => ("-", "loads of the cells stay", 0, count),
-        (_, _, 0) => ("x", "cop_x stays", 0, count),
-        (_, 0, _) => ("y", "cop_y stays", 1, count),
-        _ => ("-", "CoP stays", 0, count / 2),
+    let (target, what, axis, stretches) = match counts {
+        [count, _] if of_cells => ("-", "loads of the cells stay", 0, count),
+        [count, 0] => ("x", "cop_x stays", 0, count),
+        [0, count] => ("y", "cop_y stays", 1, count),
+        [x, y] => ("-", "CoP stays", 0, (x + y) / 2),
     };
-    let about = if rows_frozen as f64 > NEARLY_ALL * n as f64 {
+    let about = if frozen.len() as f64 > NEARLY_ALL * n as f64 {
         left_out.frozen.clear();
         let sentence = format!(
-            "In {rows_frozen} of {} the {what} the same to the last digit while CAD moves \
-             the CoP by up to {:.1} mm: check that the sensor is on and that its topic is the \
-             right one.",
-            rows.total(),
-            1e3 * moved
+            "In {} of {} the {what} the same to the last digit while CAD moves the CoP by up to \
+             {moved:.1} mm: check that the sensor is on and that its topic is the right one.",
+            frozen.len(),
+            rows.total()
         );
         (Kind::CopConstant, "-", sentence)
     } else {
@@ -252,17 +244,17 @@ pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
             several => format!("{several} stretches"),
         };
         let sentence = format!(
-            "In {} ({:.0} %, {stretches}; the longest is rows {} to {}) the \
-             {what} the same to the last digit while the joints move it by {:.1} mm: the message is \
-             stale; these rows are left out. Check the sensor's driver and how its topic was recorded.",
-            rows.some(rows_frozen),
-            100.0 * rows_frozen as f64 / n as f64,
-            rows.number(from),
-            rows.number(to),
-            1e3 * moved
+            "In {} ({:.0} %, {stretches}; the longest is rows {} to {}) the {what} the same to the \
+             last digit while the joints move it by {moved:.1} mm: the message is stale; these \
+             rows are left out. Check the sensor's driver and how its topic was recorded.",
+            rows.some(frozen.len()),
+            100.0 * frozen.len() as f64 / n as f64,
+            rows.number(kept[run.start]),
+            rows.number(kept[run.end - 1])
         );
         (Kind::CopFrozen, target, sentence)
     };
+    let is_frozen = |k: usize| frozen.contains(&k);
     let title = ["CoP x, mm", "CoP y, mm"][axis];
     Some(rows.finding(about, title, |k| 1e3 * rows.readings()[k][axis], is_frozen))
 }

@@ -10,29 +10,28 @@
 //! of another frame; readings that scatter many times as much are in another unit, which is an
 //! effect and no finding, as is a wiring that brings CAD near those readings.
 
+use nalgebra::Vector3;
 use sesc_model::Model;
 use sesc_model::effects::other_sole_by_joints;
 use sesc_model::inertia::GRAVITY;
 use sesc_model::tape::{Tape, Values};
 
 use super::LogRows;
-use super::screen::{End, LeftOut};
+use super::screen::{Corners, LeftOut, is_beyond};
 use crate::evaluate::FASTEST;
 use crate::feet::Feet;
 use crate::health::criteria::{
     BEYOND_SOLE, FEW_ROWS, FLAT, FORCE_UNLIKE, MANY_ROWS, MARGIN_M, MORE, NEARLY_ALL, TENFOLD,
     UNKNOWN_NOISE_M,
 };
-use crate::health::view::{On, column, scatter};
+use crate::health::view::{On, column, scatter, span};
 use crate::health::{Finding, Kind};
 use crate::logs::{LEAST_LOAD_N, Sidecar};
 use crate::observations::criteria::accelerations::LEAST_LOAD;
 use crate::observations::noise::quantile;
 use crate::observations::postures::range;
+use crate::poses::on_ground;
 use crate::robot::Robot;
-
-/// Least and greatest corner of a box, m.
-type Corners = [[f64; 2]; 2];
 
 /// What figures show of readings.
 const DISTANCE: &str = "Distance of the CoP from the origin, mm";
@@ -41,9 +40,8 @@ const DISTANCE: &str = "Distance of the CoP from the origin, mm";
 pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
     let mut rules = LeftOut::default();
     let known = rows.block.total_force(0).is_some();
-    let load = |k: usize| rows.block.total_force(k).unwrap_or(f64::INFINITY);
     if known {
-        let typical = quantile((0..rows.len()).map(load), 0.5)?;
+        let typical = quantile((0..rows.len()).map(|k| rows.load(k)), 0.5)?;
         rules.least_load = Some((LEAST_LOAD * typical).max(LEAST_LOAD_N));
         rules.lifted = rows.both_feet == Some(true) && rows.block.other.is_some();
     }
@@ -65,8 +63,6 @@ pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
         0 => "next to nothing stands on the sensor",
         _ => "next to nothing stands on the cells",
     };
-    (left_out.least_load, left_out.zero) = (rules.least_load, rules.zero);
-    left_out.lifted = rules.lifted;
     let sentence = format!(
         "In {} ({:.0} %, {stretches} stretch{}) {what}: the foot lost contact or the sensor \
          dropped out; they are left out. Check that the foot stands flat, and the sensor's cable.",
@@ -75,11 +71,15 @@ pub(super) fn lost(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> {
         if stretches == 1 { "" } else { "es" },
     );
     let about = (Kind::ContactLost, "-", sentence);
-    Some(match rows.cells() {
+    let load = |k: usize| rows.load(k);
+    let finding = match rows.cells() {
         0 if !known => rows.finding(about, DISTANCE, |k| 1e3 * rows.distance(k), gone),
         0 => rows.finding(about, "Total force, N", load, gone),
         _ => rows.finding(about, "Load on all cells, N", load, gone),
-    })
+    };
+    // The first rules that are made.
+    *left_out = rules;
+    Some(finding)
 }
 
 /// Cells that never show a load while the others do.
@@ -115,7 +115,7 @@ pub(super) fn outside(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<
         let about = (Kind::CopOutsideSole, "-", sentence);
         Some(rows.finding(about, DISTANCE, |k| 1e3 * rows.distance(k), meant))
     };
-    if is_beyond(&within(&all, rows.sole)?, middle) {
+    if is_beyond(within(&all, rows.sole)?, middle) {
         if !in_another_unit(rows) && !is_wired_otherwise(rows, on, |_| true) {
             let sentence = format!(
                 "Most readings lie beyond the sole and every CoP that CAD predicts, about {:.2} m \
@@ -128,14 +128,14 @@ pub(super) fn outside(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<
     } else {
         // Wrong signs and loads spread readings wider than CAD: most of them are no fault.
         all.extend([MANY_ROWS, 1.0 - MANY_ROWS].map(at_part));
-        let ends = within(&all, rows.sole)?;
-        let beyond = |k: usize| is_beyond(&ends, rows.readings()[k]);
+        let inside = within(&all, rows.sole)?;
+        let beyond = |k: usize| is_beyond(inside, rows.readings()[k]);
         let count = (0..rows.len()).filter(|k| beyond(*k)).count();
         if count > 0 && count as f64 <= MANY_ROWS * total {
             if is_wired_otherwise(rows, on, beyond) {
                 return None;
             }
-            left_out.ends.extend(ends.iter().copied());
+            left_out.within = Some(inside);
             let sentence = format!(
                 "The CoP of {count} of {} lies beyond the sole and every CoP that CAD predicts, \
                  up to {:.2} m from the frame's origin: these rows are left out; check the sensor's \
@@ -148,11 +148,9 @@ pub(super) fn outside(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<
     }
     // Most readings beyond what the sole can carry, where CAD has the robot balanced on it.
     let sole = rows.sole?;
-    let ends = wider(sole, BEYOND_SOLE * diameter(sole));
-    let part = |all: &[[f64; 2]]| {
-        let beyond = all.iter().filter(|y| is_beyond(&ends, **y));
-        beyond.count() as f64 / total
-    };
+    let around_sole = wider(sole, BEYOND_SOLE * diameter(sole));
+    let beyond = |y: &&[f64; 2]| is_beyond(around_sole, **y);
+    let part = |all: &[[f64; 2]]| all.iter().filter(beyond).count() as f64 / total;
     if part(rows.readings()) <= 0.5 || part(&rows.cad) > MANY_ROWS {
         return None;
     }
@@ -162,7 +160,7 @@ pub(super) fn outside(rows: &LogRows, on: On, left_out: &mut LeftOut) -> Option<
          moments in different units.",
         100.0 * part(rows.readings())
     );
-    elsewhere(&|k| is_beyond(&ends, rows.readings()[k]), sentence)
+    elsewhere(&|k| beyond(&&rows.readings()[k]), sentence)
 }
 
 /// Whether a wiring brings CAD's CoP near the readings of some of the rows.
@@ -178,19 +176,9 @@ fn diameter([low, high]: Corners) -> f64 {
     (high[0] - low[0]).hypot(high[1] - low[1])
 }
 
-fn is_beyond(ends: &[End], reading: [f64; 2]) -> bool {
-    ends.iter().any(|end| end.is_reached(reading))
-}
-
-/// Where channels of the CoP end in a box that is wider by a margin.
-fn wider([low, high]: Corners, margin: f64) -> Vec<End> {
-    let end = |axis: usize, sign: f64, at: f64| End {
-        axis,
-        sign,
-        at: sign * at + margin,
-    };
-    let of = |axis: usize| [end(axis, 1.0, high[axis]), end(axis, -1.0, low[axis])];
-    [of(0), of(1)].concat()
+/// A box that is wider by a margin.
+fn wider([low, high]: Corners, margin: f64) -> Corners {
+    [low.map(|x| x - margin), high.map(|x| x + margin)]
 }
 
 /// The box around some places.
@@ -199,21 +187,20 @@ fn around(places: &[[f64; 2]]) -> Corners {
     [[x.0, y.0], [x.1, y.1]]
 }
 
-/// The ends of the box around places and the sole, wider by half the diameter of the sole where
-/// its shape is known, and by that of the places.
-fn within(places: &[[f64; 2]], sole: Option<Corners>) -> Option<Vec<End>> {
+/// The box around places and the sole, wider by half the diameter of the sole where its shape is
+/// known, and by that of the places.
+fn within(places: &[[f64; 2]], sole: Option<Corners>) -> Option<Corners> {
     let size = diameter(around(places));
     let least = sole.map_or(MARGIN_M, |sole| 0.5 * diameter(sole));
     let all = [places, sole.as_ref().map_or(&[], |sole| &sole[..])].concat();
-    size.is_finite()
-        .then(|| wider(around(&all), least.max(size)))
+    let wider = wider(around(&all), least.max(size));
+    size.is_finite().then_some(wider)
 }
 
 /// Whether readings scatter by more than CAD says, as they do in another unit.
 fn in_another_unit(rows: &LogRows) -> bool {
-    let scatter = |all: &[[f64; 2]]| [0, 1].map(|k| scatter(&column(all.as_flattened(), 2, k)));
-    let [x, y] = scatter(&rows.cad);
-    let read = scatter(rows.readings());
+    let by_axis = |all: &[[f64; 2]]| [0, 1].map(|k| scatter(&column(all.as_flattened(), 2, k)));
+    let [[x, y], read] = [&rows.cad, rows.readings()].map(by_axis);
     read.iter().any(|own| *own > TENFOLD * x.max(y))
 }
 
@@ -223,22 +210,12 @@ pub(crate) fn sole_of(robot: &Robot, model: &Model) -> Option<Corners> {
     let description = &robot.description;
     let mut corners: Vec<[f64; 2]> = Vec::new();
     for (name, extent) in description.link_names().zip(&description.shapes) {
-        let link = model.tree.links.iter().position(|link| link.name == name);
-        let place = link.and_then(|link| model.chain.places[link]);
-        let place = place.filter(|place| place.body == 0);
-        let (Some(extent), Some(place)) = (extent, place) else {
-            continue;
-        };
-        let (rows, origin) = (place.orientation(), place.origin());
-        for corner in 0..8 {
-            let local = [0, 1, 2].map(|axis| match corner >> axis & 1 {
-                0 => extent.low[axis],
-                _ => extent.high[axis],
-            });
-            corners.push([0, 1].map(|axis| {
-                let turned = rows[axis].iter().zip(local).map(|(a, b)| a * b);
-                origin[axis] + turned.sum::<f64>()
-            }));
+        let own = on_ground(model).find(|(link, _)| link.name == name);
+        if let (Some(extent), Some((_, place))) = (extent, own) {
+            let ends = [extent.low, extent.high];
+            let local = |corner: usize| Vector3::from_fn(|k, _| ends[corner >> k & 1][k]);
+            let seen = (0..8).map(|corner| place.point(&local(corner)));
+            corners.extend(seen.map(|p| [p.x, p.y]));
         }
     }
     (!corners.is_empty()).then(|| around(&corners))
@@ -249,10 +226,9 @@ pub(super) fn unlike_weight(rows: &LogRows, model: &Model, left_out: &LeftOut) -
     if rows.both_feet == Some(true) && rows.cells() > 0 {
         return None;
     }
-    let kept = rows.kept(left_out);
-    let load = |k: usize| rows.block.total_force(k).unwrap_or(f64::NAN);
     rows.block.total_force(0)?;
-    let typical = quantile(kept.iter().map(|&k| load(k)), 0.5)?;
+    let kept = rows.kept(left_out);
+    let typical = quantile(kept.iter().map(|&k| rows.load(k)), 0.5)?;
     let weight = model.tree.mass * GRAVITY;
     let ratio = typical / weight;
     if ratio <= 0.0 || (1.0 / FORCE_UNLIKE..FORCE_UNLIKE).contains(&ratio) {
@@ -275,19 +251,17 @@ pub(super) fn unlike_weight(rows: &LogRows, model: &Model, left_out: &LeftOut) -
         Some((_, why)) => format!("as if {why}"),
         None => "as of another robot, a sensor with a wrong scale, or counts of a converter".into(),
     };
-    let unit = match rows.cells() {
-        0 => {
-            "a CoP of this force and of moments in N m is wrong by the same factor: correct the \
-              force"
-        }
-        _ => "the CoP of cells does not depend on their unit, but does on cells that are missing",
-    };
+    let mut unit = "a CoP of this force and of moments in N m is wrong by the same factor: correct \
+                    the force";
+    if rows.cells() > 0 {
+        unit = "the CoP of cells does not depend on their unit, but does on cells that are missing";
+    }
     let sentence = format!(
         "The total force is typically {typical:.3} N and the weight by CAD {weight:.3} N, {why}; \
          {unit}."
     );
     let about = (Kind::ForceUnlikeWeight, "-", sentence);
-    Some(rows.finding(about, "Total force, N", load, |_| true))
+    Some(rows.finding(about, "Total force, N", |k| rows.load(k), |_| true))
 }
 
 /// The other sole on the floor in nearly all rows, while joints between both soles move and nobody
@@ -315,14 +289,11 @@ pub(super) fn both_flat(rows: &LogRows, model: &Model) -> Option<Finding> {
         return None;
     }
     let between = |j: &usize| (0..3).any(|row| out[row * (1 + dof) + 1 + j].abs() > 1e-6);
-    let swings = |j: usize| {
-        let (low, high) = range(rows.block.q.iter().skip(j).step_by(dof).copied());
-        high - low > FLAT.1
-    };
+    let swings = |j: usize| span(rows.block.q.iter().skip(j).step_by(dof).copied()) > FLAT.1;
     if !(0..dof).filter(between).any(swings) {
         return None;
     }
-    let most = |row: usize| range(flat.iter().map(|&k| at(k, row).abs())).1.max(0.0);
+    let most = |row: usize| flat.iter().map(|&k| at(k, row).abs()).fold(0.0, f64::max);
     let sentence = format!(
         "In {} of {} the sole of `{}` lies flat on the floor of `{}`, too (within {:.1} mm and \
          {:.1}°): if both feet carry the robot, say `both_feet = true` in the sidecar; the CoP is \

@@ -49,7 +49,6 @@ use crate::logs::{BLOCK, Block, LogSource, Options, PostureReader, ROOM, Samples
 use crate::observations::correlation;
 use crate::observations::criteria::noise::SHOWS;
 use crate::observations::motion::{Plan, Wanted};
-use crate::observations::noise::NoiseSource;
 use crate::observations::postures::{Postures, rms};
 use crate::observations::rows::CopRows;
 use crate::observations::zmp::Zmp;
@@ -74,10 +73,8 @@ pub(super) struct LogRows {
     pub both_feet: Option<bool>,
     /// Places of the cells, m.
     pub places: Vec<[f64; 2]>,
-    /// Noise of a row, m, where it is known, and where it is known from: RMS where rows have
-    /// their own.
+    /// Noise of a row, m, where it is known: RMS where rows have their own.
     pub noise: Option<f64>,
-    noise_source: Option<NoiseSource>,
     /// CoP by CAD, m.
     pub cad: Vec<[f64; 2]>,
     /// Corners of the sole, m, where the URDF has its shape.
@@ -112,6 +109,11 @@ impl LogRows {
         self.block.cells.as_ref().map_or(0, |cells| cells.count)
     }
 
+    /// Total force of a row, N; NaN of a log without.
+    fn load(&self, row: usize) -> f64 {
+        self.block.total_force(row).unwrap_or(f64::NAN)
+    }
+
     /// Number of a row from 1: among those on this support, or in the log where not all are here.
     pub fn number(&self, row: usize) -> usize {
         let before = self.block.line[row].saturating_sub(self.block.line[0]);
@@ -128,12 +130,8 @@ impl LogRows {
 
     /// All rows, in words that say what they are part of.
     pub fn total(&self) -> String {
-        let looked_at = if self.is_part {
-            " that were looked at"
-        } else {
-            ""
-        };
-        format!("{} rows{looked_at}", self.len())
+        let part = self.is_part.then_some(" that were looked at");
+        format!("{} rows{}", self.len(), part.unwrap_or_default())
     }
 
     /// A row as figures show it.
@@ -163,7 +161,7 @@ impl LogRows {
         let pose: Vec<i64> = read.iter().map(|(k, _)| self.block.pose[*k]).collect();
         let cop: Vec<f64> = read.iter().flat_map(|(_, y)| *y).collect();
         let data = Postures::of_rows(self.dof, (&pose, &q, &cop), self.noise, 0.0);
-        View::new(on, &data)
+        View::new(on, data)
     }
 
     /// Some of the rows with their readings as they are.
@@ -196,7 +194,6 @@ impl LogRows {
         let (mut rows, averaged) = LogRows::gather(samples, Some(model.support()), watch)?;
         if let Some(noise) = noise {
             rows.noise = Some(noise * (1.0 - averaged).sqrt());
-            rows.noise_source = Some(NoiseSource::Given);
             rows.block.std = None;
         }
         channels::check_distinct(&rows, samples.log.name())?;
@@ -236,7 +233,6 @@ impl LogRows {
         }
         if let Some(std) = &rows.block.std {
             rows.noise = Some(rms(std.iter().flatten().copied()));
-            rows.noise_source = Some(NoiseSource::Stated);
         }
         rows.is_part = sample.is_part;
         Ok((rows, reader.averaged()))
@@ -333,12 +329,13 @@ pub(super) fn alone(log: &LogSource, watch: &mut dyn Watch) -> Result<Vec<Findin
     });
     let samples = Samples::of_joints(log, joints.collect(), &options, ROOM, watch)?;
     let (rows, _) = LogRows::gather(&samples, None, watch)?;
+    let (mut left_out, mut findings) = (LeftOut::default(), Vec::new());
     if rows.len() < FEW_ROWS {
-        return Ok(Vec::new());
+        return Ok(findings);
     }
-    let mut left_out = LeftOut::default();
-    let lost = (rows.cells() > 0).then(|| contact::lost(&rows, &mut left_out));
-    let mut findings: Vec<Finding> = lost.flatten().into_iter().collect();
+    if rows.cells() > 0 {
+        findings.extend(contact::lost(&rows, &mut left_out));
+    }
     findings.extend(contact::unplugged(&rows));
     findings.extend(channels::saturated(&rows, None, &mut left_out));
     findings.extend(channels::copied(&rows, &mut left_out));
@@ -400,25 +397,18 @@ impl Sample {
             // Rows of the end may still wait for the end of their stay.
             Some(0) => reader.block(PIECE).unwrap_or_default(),
             Some(pieces) => {
-                let Some(rows) = self.rows_left(reader) else {
-                    return Ok(None);
-                };
-                let between = (rows / pieces).saturating_sub(PIECE as u64);
+                let between = (self.rows_left(reader) / pieces).saturating_sub(PIECE as u64);
+                (self.passed, self.to_come) = (self.passed + between, Some(pieces - 1));
                 // Behind a gap a quoted line end may look like a row; who reads all of the log
                 // says what is wrong with it.
                 let piece = reader.skip(between, PIECE);
-                let Ok(block) = piece.and_then(|_| reader.block(PIECE)) else {
-                    return Ok(None);
-                };
-                self.passed += between;
-                self.to_come = Some(pieces - 1);
-                block
+                piece.and_then(|_| reader.block(PIECE)).unwrap_or_default()
             }
             None => {
                 // Before the first gap: a chunk of the reader, which tells how long rows are.
                 let block = reader.block(BLOCK)?;
                 let left = ROWS - BLOCK;
-                let is_long = self.taken == 0 && self.rows_left(reader).unwrap_or(0) > left as u64;
+                let is_long = self.taken == 0 && self.rows_left(reader) > left as u64;
                 if is_long && reader.skip(0, PIECE)? {
                     (self.to_come, self.is_part) = (Some((left / PIECE) as u64), true);
                 }
@@ -430,13 +420,13 @@ impl Sample {
         Ok((!block.is_empty()).then_some(block))
     }
 
-    /// About so many rows are behind the last one, if they are as long as those before; none
-    /// where that is not known.
-    fn rows_left(&self, reader: &PostureReader) -> Option<u64> {
+    /// About so many rows are behind the last one, if they are as long as those before; 0 where
+    /// that is not known.
+    fn rows_left(&self, reader: &PostureReader) -> u64 {
         let (done, total) = reader.progress();
         // More than were given out where rows wait for the end of their stay.
         let rows = (reader.taken() + self.passed).max(1);
         let per_row = done as f64 / rows as f64;
-        Some((total?.saturating_sub(done) as f64 / per_row.max(1e-9)) as u64)
+        (total.unwrap_or(0).saturating_sub(done) as f64 / per_row.max(1e-9)) as u64
     }
 }

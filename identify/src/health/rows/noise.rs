@@ -42,15 +42,18 @@ fn told(rows: &LogRows, mut all: Vec<(usize, [f64; 2])>) -> Option<Finding> {
         DVector::from_iterator(count, over)
     });
     let square = axes.iter().map(|e| e.norm_squared()).sum::<f64>() / (2 * count) as f64;
-    let finding = overstated(noise, rows.noise_source?, noise * square.sqrt())?;
+    let source = match rows.block.std {
+        Some(_) => NoiseSource::Stated,
+        None => NoiseSource::Given,
+    };
+    let finding = overstated(noise, source, noise * square.sqrt())?;
     // Without times of all rows nothing tells which follow each other.
     let t = rows.block.t.as_ref();
-    let t = t.map(|t| all.iter().map(|(k, _)| t[*k]).collect::<Vec<f64>>());
-    let nothing_fitted = DMatrix::zeros(count, 0);
+    let t: Option<Vec<f64>> = t.map(|t| all.iter().map(|(k, _)| t[*k]).collect());
     let samples = axes.iter().map(|gaps| {
-        let known = t
-            .as_ref()
-            .map(|t| Correlation::of(t, gaps, &nothing_fitted));
+        let nothing_fitted = DMatrix::zeros(count, 0);
+        let known = t.as_ref();
+        let known = known.map(|t| Correlation::of(t, gaps, &nothing_fitted));
         count as f64 / known.unwrap_or(Correlation::NONE).rows_per_sample
     });
     let samples: f64 = samples.sum();

@@ -2,7 +2,6 @@
 //! rows apart.
 
 use std::collections::HashSet;
-use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
@@ -25,26 +24,18 @@ pub(super) fn reading_of<'a>(cop: &'a [f64; 2], force: &'a [f64]) -> &'a [f64] {
     if force.is_empty() { cop } else { force }
 }
 
-/// Where a channel of the CoP ends, on one side.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::health) struct End {
-    /// 0 or 1.
-    pub axis: usize,
-    /// 1 of an upper end, −1 of a lower one.
-    pub sign: f64,
-    /// The end times its sign, m; it is beyond itself.
-    pub at: f64,
-}
+/// Least and greatest corner of a box, m.
+pub(crate) type Corners = [[f64; 2]; 2];
+/// A box without edges.
+pub(super) const EVERYWHERE: Corners = [[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]];
 
-impl End {
-    /// Whether a reading lies there, or further out.
-    pub fn is_reached(&self, reading: [f64; 2]) -> bool {
-        self.sign * reading[self.axis] >= self.at
-    }
+/// Whether a reading lies on the edge of a box, or further out.
+pub(super) fn is_beyond([low, high]: Corners, reading: [f64; 2]) -> bool {
+    (0..2).any(|k| reading[k] <= low[k] || reading[k] >= high[k])
 }
 
 /// Rules for single rows. Those of the default leave out nothing, also no rows without contact.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 pub(in crate::health) struct LeftOut {
     /// Less in total on the sensor is no contact, N.
     pub least_load: Option<f64>,
@@ -54,8 +45,8 @@ pub(in crate::health) struct LeftOut {
     pub lifted: bool,
     /// A CoP of exactly zero is no contact.
     pub zero: bool,
-    /// Where channels are clipped, and the CoP is none.
-    pub ends: Vec<End>,
+    /// On its edges channels are clipped, and beyond it the CoP is none.
+    pub within: Option<Corners>,
     /// Values at which a channel of the CoP (0, 1), or all cells (0), froze.
     pub frozen: HashSet<(usize, u64)>,
     /// Joints whose encoders stop, and where, rad or m.
@@ -78,12 +69,6 @@ pub(in crate::health) struct LessKnown {
     pub anywhere: f64,
     /// Noise of rows that state none, m.
     pub noise: Option<f64>,
-}
-
-impl fmt::Debug for LessKnown {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "LessKnown({})", self.joint)
-    }
 }
 
 impl PartialEq for LessKnown {
@@ -135,7 +120,7 @@ impl LeftOut {
             && self.held.iter().all(stands)
             && !(self.zero && reading == [0.0; 2])
             && (self.frozen.is_empty() || !is_stale())
-            && !self.ends.iter().any(|end| end.is_reached(reading))
+            && self.within.is_none_or(|within| !is_beyond(within, reading))
     }
 }
 

@@ -21,32 +21,31 @@ use crate::observations::noise::quantile;
 pub(super) fn leaps(rows: &LogRows, dofs: &[Dof]) -> Option<Finding> {
     let t = rows.block.t.as_ref()?;
     // How far a joint moves from the row before, and in what time, s.
-    let steps = |joint: usize| {
-        let step = move |k: usize| match k.checked_sub(1) {
+    let steps = |joint: usize| -> Vec<(f64, f64)> {
+        let step = |k: usize| match k.checked_sub(1) {
             Some(before) if rows.number(k) == rows.number(before) + 1 => (
                 (rows.q(k)[joint] - rows.q(before)[joint]).abs(),
                 t[k] - t[before],
             ),
             _ => (0.0, 0.0),
         };
-        (0..rows.len()).map(step)
+        (0..rows.len()).map(step).collect()
     };
     let leaps = |joint: usize| -> Vec<usize> {
-        let fastest = match limit(&dofs[joint]) {
-            Some(limit) => FASTER * limit,
-            None => {
-                let moves = steps(joint).filter(|(step, time)| *step > 0.0 && *time > 0.0);
-                let median = quantile(moves.map(|(step, time)| step / time), 0.5);
-                median.map_or(f64::INFINITY, |median| TENFOLD * median)
-            }
-        };
-        let leaps = |(step, time): (f64, f64)| {
+        let steps = steps(joint);
+        let fastest = limit(&dofs[joint]).map(|limit| FASTER * limit);
+        let fastest = fastest.unwrap_or_else(|| {
+            let moves = steps
+                .iter()
+                .filter(|(step, time)| *step > 0.0 && *time > 0.0);
+            let median = quantile(moves.map(|(step, time)| step / time), 0.5);
+            TENFOLD * median.unwrap_or(f64::INFINITY)
+        });
+        let leaps = |k: &usize| {
+            let (step, time) = steps[*k];
             time > 0.0 && time < SHORT_S && step > LEAP && step > fastest * time
         };
-        let all = steps(joint).enumerate();
-        all.filter(|(_, step)| leaps(*step))
-            .map(|(k, _)| k)
-            .collect()
+        (0..rows.len()).filter(leaps).collect()
     };
     let all = (0..rows.dof).map(|joint| (joint, leaps(joint)));
     let (joint, found) = all.max_by_key(|(joint, found)| (found.len(), rows.dof - joint))?;
@@ -57,7 +56,7 @@ pub(super) fn leaps(rows: &LogRows, dofs: &[Dof]) -> Option<Finding> {
         Some(limit) => format!("its limit is {limit} {unit}/s"),
         None => "it moves ten times slower otherwise".to_string(),
     };
-    let steps: Vec<(f64, f64)> = steps(joint).collect();
+    let steps = steps(joint);
     let (distance, time) = steps[first];
     let sentence = format!(
         "Joint `{name}` moves by {distance:.2} {unit} in {:.0} ms in row {} ({} such rows; {than}): two \
@@ -80,18 +79,17 @@ fn limit(dof: &Dof) -> Option<f64> {
 
 pub(super) fn stamps_of_other_rows(rows: &LogRows) -> Option<Finding> {
     let (n, t) = (rows.len(), rows.block.t.as_ref()?);
-    if n < ENOUGH {
-        return None;
-    }
     let back = |k: usize| k > 0 && t[k] < t[k - 1];
     let part = (0..n).filter(|k| back(*k)).count() as f64 / (n - 1) as f64;
-    let sentence = if part > NEARLY_ALL {
-        format!(
-            "Stamps run backwards in {:.0} % of the rows: sort the log by time; if its rows are \
-             in order and the stamps alone are reversed, mend the stamps or leave `t` out.",
-            100.0 * part
-        )
-    } else if part > MANY_ROWS {
+    if n < ENOUGH || part <= MANY_ROWS {
+        return None;
+    }
+    let percent = 100.0 * part;
+    let mut sentence = format!(
+        "Stamps run backwards in {percent:.0} % of the rows: sort the log by time; if its rows are \
+         in order and the stamps alone are reversed, mend the stamps or leave `t` out."
+    );
+    if part <= NEARLY_ALL {
         let in_order: Vec<usize> = (0..n).collect();
         let mut by_stamp = in_order.clone();
         by_stamp.sort_by(|a, b| t[*a].total_cmp(&t[*b]));
@@ -99,15 +97,12 @@ pub(super) fn stamps_of_other_rows(rows: &LogRows) -> Option<Finding> {
         if stamped < JUMPS || as_read > JUMPS * stamped {
             return None;
         }
-        format!(
-            "Joints move smoothly from row to row and jump from stamp to stamp ({:.0} % of \
+        sentence = format!(
+            "Joints move smoothly from row to row and jump from stamp to stamp ({percent:.0} % of \
              the rows are stamped before the one above them): stamps and rows do not belong \
-             together; check how `t` was joined, or leave it out.",
-            100.0 * part
-        )
-    } else {
-        return None;
-    };
+             together; check how `t` was joined, or leave it out."
+        );
+    }
     Some(rows.finding((Kind::RowsShuffled, "t", sentence), "t, s", |k| t[k], back))
 }
 

@@ -26,9 +26,11 @@ use crate::health::criteria::weight::{
     APART_S, CLEARLY, HALF_S, HELD, LEVELS, LEVELS_APART, NOISE, PLATE, SHORTEST_S, STRETCHES,
 };
 use crate::health::criteria::{FEW_ROWS, FORCE_UNLIKE};
+use crate::health::view::{mean, scatter};
 use crate::health::{Finding, Kind};
 use crate::logs::{Quantity, Weight, keep_some};
 use crate::observations::noise::quantile;
+use crate::observations::postures::range;
 
 /// Rows of a log with what stands on the sensor in each.
 pub(super) struct Weighed<'r> {
@@ -39,18 +41,6 @@ pub(super) struct Weighed<'r> {
     own: Vec<usize>,
     /// kg, of each of these.
     mass: Vec<f64>,
-}
-
-/// Mean of some values.
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// Deviation of values about their mean.
-fn spread(values: &[f64]) -> f64 {
-    let middle = mean(values);
-    let squares: Vec<f64> = values.iter().map(|x| (x - middle) * (x - middle)).collect();
-    mean(&squares).sqrt()
 }
 
 impl<'r> Weighed<'r> {
@@ -130,12 +120,10 @@ impl<'r> Weighed<'r> {
 
     /// Places of neighbouring rows in the log, and how many they are, of rows that are `meant`.
     fn stretches(&self, meant: &[bool]) -> Vec<Range<usize>> {
-        let mut places = (0..meant.len()).collect::<Vec<_>>();
-        places.retain(|k| meant[*k]);
+        let places: Vec<usize> = (0..meant.len()).filter(|k| meant[*k]).collect();
         let stretches = places.chunk_by(|a, b| *b == a + 1);
-        stretches
-            .map(|own| own[0]..own[own.len() - 1] + 1)
-            .collect()
+        let ends = stretches.map(|own| own[0]..own[own.len() - 1] + 1);
+        ends.collect()
     }
 
     /// These stretches in words.
@@ -147,13 +135,10 @@ impl<'r> Weighed<'r> {
     }
 
     fn finding(&self, kind: Kind, sentence: String, meant: &[bool]) -> Finding {
-        let mut of_rows = vec![false; self.rows.len()];
-        let all = self.own.iter().zip(meant);
-        all.for_each(|(row, meant)| of_rows[*row] = *meant);
-        let load = |k: usize| self.rows.block.total_force(k).unwrap_or(f64::NAN);
+        let is_meant = |k: usize| self.own.binary_search(&k).is_ok_and(|at| meant[at]);
+        let load = |k: usize| self.rows.load(k);
         let about = (kind, "-", sentence);
-        let meant = |k: usize| of_rows[k];
-        self.rows.finding(about, "Total force, N", load, meant)
+        self.rows.finding(about, "Total force, N", load, is_meant)
     }
 
     /// Take out the stretches in which something else carries the robot.
@@ -171,13 +156,9 @@ impl<'r> Weighed<'r> {
         }
         let stretches = self.stretches(&meant);
         let line = |k: usize| self.rows.block.line[self.own[k]];
-        let held = stretches
-            .iter()
-            .map(|own| line(own.start)..=line(own.end - 1));
-        left_out.held.extend(held);
-        let part = |k: &usize| 100.0 * self.mass[*k] / least;
-        let low = (0..meant.len()).filter(|k| meant[*k]);
-        let low = low.map(|k| part(&k)).fold(f64::INFINITY, f64::min);
+        let held = |own: &Range<usize>| line(own.start)..=line(own.end - 1);
+        left_out.held.extend(stretches.iter().map(held));
+        let low = 100.0 * range(self.mass.iter().copied()).0 / least;
         let sentence = format!(
             "In {} ({:.0} %; {}) the total force is less than the weight, down to {low:.0} % of it: \
              something else carries the rest (a hand, a tether, a second contact), or the robot \
@@ -201,13 +182,13 @@ impl<'r> Weighed<'r> {
         let long = self.mass.chunks(self.mass.len().div_ceil(STRETCHES));
         let means: Vec<f64> = long.map(mean).collect();
         let value = mean(&self.mass);
-        let scatter = spread(&means) / (means.len() as f64 - 1.0).max(1.0).sqrt();
+        let uncertainty = scatter(&means) / (means.len() as f64 - 1.0).max(1.0).sqrt();
         let levels = self.levels();
         let apart = levels.as_ref().map_or(0.0, |(apart, _)| 0.5 * apart);
         let weight = Weight {
             mass_kg: Quantity {
                 value,
-                std: scatter.hypot(PLATE * value).hypot(apart),
+                std: uncertainty.hypot(PLATE * value).hypot(apart),
             },
             urdf_kg: self.cad,
         };
@@ -229,8 +210,7 @@ impl<'r> Weighed<'r> {
         let [low, high] = of(middle);
         let count = low.len().min(high.len());
         let apart = mean(&high) - mean(&low);
-        let within = (spread(&low).powi(2) + spread(&high).powi(2)).sqrt();
-        // Neither is NaN where both have rows.
+        let within = scatter(&low).hypot(scatter(&high));
         let clear = apart > CLEARLY * self.cad && apart > LEVELS_APART * within;
         if !clear || count < STRETCHES {
             return None;

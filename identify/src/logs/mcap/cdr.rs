@@ -10,12 +10,18 @@ use sesc_model::urdf::limits;
 
 const NAME: usize = limits::NAME_BYTES + 1;
 
-/// `std_msgs/msg/Header`
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Header {
-    /// s; nothing where the sender left it zero
-    pub stamp: Option<f64>,
-    pub frame: String,
+/// What a message has: of its `std_msgs/msg/Header` the stamp, s, which is none where the sender left
+/// it zero, and the frame; then what `content` reads of the bytes behind it.
+pub(super) fn decoded<T>(
+    bytes: &[u8],
+    content: impl FnOnce(&mut Cdr) -> Result<T, String>,
+) -> Result<(Option<f64>, String, T), String> {
+    let mut cdr = Cdr::new(bytes)?;
+    let seconds = i32::from_le_bytes(cdr.number()?);
+    let nanoseconds = cdr.u32()?;
+    let stamp = f64::from(seconds) + 1e-9 * f64::from(nanoseconds);
+    let stamp = (stamp != 0.0).then_some(stamp);
+    Ok((stamp, cdr.string()?, content(&mut cdr)?))
 }
 
 /// `sensor_msgs/msg/JointState`, of joints that have a position in it; effort is not looked at.
@@ -28,9 +34,7 @@ pub(super) struct JointState {
 }
 
 impl JointState {
-    pub fn decode(bytes: &[u8]) -> Result<(Header, JointState), String> {
-        let mut cdr = Cdr::new(bytes)?;
-        let header = cdr.header()?;
+    pub fn decode(cdr: &mut Cdr) -> Result<JointState, String> {
         let (names, positions, velocities) = (cdr.strings()?, cdr.doubles()?, cdr.doubles()?);
         let count = names.len();
         // The standard allows a message of velocities alone.
@@ -38,36 +42,31 @@ impl JointState {
             return Err(format!("{} positions for {count} joints", positions.len()));
         }
         // Drivers that do not measure a velocity send nothing or NaN.
-        let velocities = velocities
-            .into_iter()
-            .map(|v| if v.is_finite() { v } else { 0.0 });
-        let all = names.into_iter().zip(positions);
-        let all = all.zip(velocities.chain(std::iter::repeat(0.0)));
-        let known = all.filter(|((_, q), _)| q.is_finite());
-        let joints: Vec<_> = known.map(|((name, q), v)| (name, q, v)).collect();
-        let misses_positions = joints.len() < count;
-        let state = JointState {
+        let measured = |k: usize| velocities.get(k).copied().filter(|v| v.is_finite());
+        let all = names.into_iter().zip(positions).enumerate();
+        let known = all.filter(|(_, (_, q))| q.is_finite());
+        let joints: Vec<_> = known
+            .map(|(k, (name, q))| (name, q, measured(k).unwrap_or(0.0)))
+            .collect();
+        Ok(JointState {
+            misses_positions: joints.len() < count,
             joints,
-            misses_positions,
-        };
-        Ok((header, state))
+        })
     }
 }
 
-/// Header, force (N) and torque (Nm) of a `geometry_msgs/msg/WrenchStamped`.
-pub(super) fn wrench(bytes: &[u8]) -> Result<(Header, [[f64; 3]; 2]), String> {
-    let mut cdr = Cdr::new(bytes)?;
-    Ok((cdr.header()?, [cdr.vector()?, cdr.vector()?]))
+/// Force (N) and torque (Nm) of a `geometry_msgs/msg/WrenchStamped`.
+pub(super) fn wrench(cdr: &mut Cdr) -> Result<[[f64; 3]; 2], String> {
+    Ok([cdr.vector()?, cdr.vector()?])
 }
 
-/// Header and place (m) of a `geometry_msgs/msg/PointStamped`.
-pub(super) fn point(bytes: &[u8]) -> Result<(Header, [f64; 3]), String> {
-    let mut cdr = Cdr::new(bytes)?;
-    Ok((cdr.header()?, cdr.vector()?))
+/// Place (m) of a `geometry_msgs/msg/PointStamped`.
+pub(super) fn point(cdr: &mut Cdr) -> Result<[f64; 3], String> {
+    cdr.vector()
 }
 
 /// Bytes being decoded.
-struct Cdr<'a> {
+pub(super) struct Cdr<'a> {
     /// Without the encoding's name: alignment counts from here.
     body: &'a [u8],
     at: usize,
@@ -169,16 +168,6 @@ impl<'a> Cdr<'a> {
     fn vector(&mut self) -> Result<[f64; 3], String> {
         Ok([self.f64()?, self.f64()?, self.f64()?])
     }
-
-    fn header(&mut self) -> Result<Header, String> {
-        let seconds = i32::from_le_bytes(self.number()?);
-        let nanoseconds = self.u32()?;
-        let stamp = f64::from(seconds) + 1e-9 * f64::from(nanoseconds);
-        Ok(Header {
-            stamp: (stamp != 0.0).then_some(stamp),
-            frame: self.string()?,
-        })
-    }
 }
 
 #[cfg(test)]
@@ -223,15 +212,14 @@ mod tests {
             word(&mut body, 0);
             let mut bytes = vec![0, kind, 0, 0];
             bytes.extend(body);
-            let (header, message) = JointState::decode(&bytes).unwrap();
-            assert_eq!(header.stamp, Some(7.5));
-            assert_eq!(header.frame, "f");
+            let (stamp, frame, message) = decoded(&bytes, JointState::decode).unwrap();
+            assert_eq!((stamp, &*frame), (Some(7.5), "f"));
             let joint = |name: &str, q| (name.to_string(), q, 0.0);
             let expected = [joint("ankle", value), joint("hip", -value)];
             assert_eq!(message.joints, expected);
             // Effort may be missing, nothing else.
             for cut in 0..bytes.len() - 4 {
-                assert!(JointState::decode(&bytes[..cut]).is_err(), "{cut}");
+                assert!(decoded(&bytes[..cut], JointState::decode).is_err(), "{cut}");
             }
             let mut body = Vec::new();
             word(&mut body, 7);
@@ -240,8 +228,8 @@ mod tests {
             body.extend(b"sole\0");
             (1..=6).for_each(|k| double(&mut body, f64::from(k)));
             let bytes = [vec![0, kind, 0, 0], body].concat();
-            let (header, [force, torque]) = wrench(&bytes).unwrap();
-            assert_eq!((header.stamp, &*header.frame), (Some(7.5), "sole"));
+            let (stamp, frame, [force, torque]) = decoded(&bytes, wrench).unwrap();
+            assert_eq!((stamp, &*frame), (Some(7.5), "sole"));
             assert_eq!((force, torque), ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0]));
         }
     }
@@ -251,8 +239,9 @@ mod tests {
         let mut bytes = vec![0, 1, 0, 0];
         bytes.extend([0; 8]);
         bytes.extend(u32::MAX.to_le_bytes());
-        let message = point(&bytes).unwrap_err();
+        let message = decoded(&bytes, point).unwrap_err();
         assert!(message.contains("claims 4294967295"), "{message}");
-        assert!(wrench(&[0, 9, 0, 0]).unwrap_err().contains("encoding"));
+        let message = decoded(&[0, 9, 0, 0], wrench).unwrap_err();
+        assert!(message.contains("encoding"), "{message}");
     }
 }

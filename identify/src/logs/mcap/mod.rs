@@ -11,7 +11,7 @@
 //! whichever of sole and ground is said to push, since both signs change. A
 //! point is the CoP itself. The message's `frame_id` is the support where it
 //! is a link of the robot. Where two wrenches in frames of two links are both loaded, a row is
-//! of both feet ([`contacts`]).
+//! of both feet ([`joints::Contacts`]).
 //!
 //! Stretches in which the robot holds still are postures, see [`StillnessLimits`]; each
 //! reading in one is a row, with the joints' means. A log without readings has
@@ -19,32 +19,30 @@
 //! for, every reading is a row, with the joints between their messages ([`joints`]).
 
 mod cdr;
-mod contacts;
 mod joints;
 mod records;
 mod survey;
 #[cfg(test)]
 pub(super) mod tests;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use sesc_model::tree::Dof;
 
 use self::cdr::JointState;
-use self::contacts::{Contacts, Frames, Pair};
-use self::joints::{LONGEST_S, Moving, State, States};
+use self::joints::{Contacts, LONGEST_S, State, States, Waiting};
 use self::records::Records;
-use self::survey::Survey;
+use self::survey::{Frames, Survey};
 use super::block::Share;
 use super::bounds::LEAST_LOAD_N;
 use super::columns::{COP, Columns, FZ, POSE, SUPPORT, T};
 use super::input::{Metered, Place};
 use super::names::short;
-use super::settings::{Options, Sensor, Stays, StillnessLimits};
+use super::settings::{Options, Sidecar, Stays, StillnessLimits};
 use super::source::{Raw, RowSource};
 use super::stillness::{Posture, StillnessCutter};
-use crate::{Error, Message};
+use crate::Error;
 
 const STATE: &str = "sensor_msgs/msg/JointState";
 const WRENCH: &str = "geometry_msgs/msg/WrenchStamped";
@@ -57,6 +55,7 @@ const T_PLACE: usize = 1;
 const FORCE_PLACE: usize = 5;
 
 /// A reading of the CoP.
+#[derive(Default)]
 struct Reading {
     /// Which of the recording's, from 1.
     number: u64,
@@ -78,7 +77,6 @@ struct Ready {
 
 /// A recording being read.
 pub(super) struct McapSource {
-    file: String,
     records: Records,
     header: Vec<String>,
     survey: Survey,
@@ -89,8 +87,8 @@ pub(super) struct McapSource {
     contacts: Contacts<Reading>,
     frames: Frames,
     cutter: StillnessCutter<Reading>,
-    /// Joints and readings, where the recording is one of a robot that moves.
-    moving: Option<Moving<Reading>>,
+    /// Readings that wait for their joints, where the recording is one of a robot that moves.
+    moving: Option<Waiting<Reading, 1>>,
     ready: VecDeque<Ready>,
     /// Messages that name a joint without its position.
     without_positions: u64,
@@ -100,37 +98,32 @@ pub(super) struct McapSource {
     airborne: u64,
     postures: u64,
     ended: bool,
-    warnings: Vec<Message>,
+    warnings: Vec<String>,
 }
 
 impl McapSource {
-    /// Look which joints and readings the recording has, then start over. `topics`: of the CoP
-    /// and of the joints, where the sidecar says.
+    /// Look which joints and readings the recording has, then start over.
     pub fn open(
         place: &Place,
-        file: &str,
         dofs: &[Dof],
         options: &Options,
-        topics: [Option<&str>; 2],
-        sensors: &BTreeMap<String, Sensor>,
+        sidecar: &Sidecar,
     ) -> Result<McapSource, Error> {
-        let bad = |message| Error::log(file.to_string(), None, message);
-        let start = || Records::new(Metered::open(place, file)?).map_err(bad);
-        let named = contacts::named(sensors, options).map_err(bad)?;
-        let own = named.first().map(|(topic, _)| topic.as_str());
-        let topics = [own.or(topics[0]), topics[1]];
-        let mut survey = Survey::of(start()?, dofs, topics, options).map_err(bad)?;
+        let bad = |message| Error::row(None, message);
+        let start = || Records::new(Metered::open(place)?).map_err(bad);
+        let options = &Options {
+            support: options.support.clone().or_else(|| sidecar.support.clone()),
+            both_feet: options.both_feet.or(sidecar.both_feet),
+            ..options.clone()
+        };
+        let survey = Survey::of(start()?, dofs, options, sidecar).map_err(bad)?;
         let mut warnings = Vec::new();
-        if let Some((_, frame)) = named.first() {
-            survey.frame = Some(frame.clone());
-            survey.pair = Pair::named(&named, options);
-        } else if let Some(pair) = &survey.pair {
-            let [one, other] = [0, 1].map(|k| short(&pair.topics[k]));
-            let warning = format!(
-                "{file}: both contacts are loaded, `{one}` and `{other}`: rows are of both feet \
-                 together; choose one foot by `topic = \"…\"` in the sidecar"
-            );
-            warnings.push(warning.into());
+        if let Some(pair) = survey.pair.as_ref().filter(|_| survey.frame.is_none()) {
+            let [one, other] = pair.each_ref().map(|own| short(&own.topic));
+            warnings.push(format!(
+                "both contacts are loaded, `{one}` and `{other}`: rows are of both feet together; \
+                 choose one foot by `topic = \"…\"` in the sidecar"
+            ));
         }
         let mut moves = survey.topic.is_some() && options.stays == Stays::Moving;
         if survey.topic.is_some() && matches!(options.stays, Stays::Pooled | Stays::Apart) {
@@ -139,41 +132,38 @@ impl McapSource {
                 pair: None,
                 ..survey.clone()
             };
-            let joints = McapSource::new(file, start()?, joints, dofs, options);
+            let joints = McapSource::new(start()?, joints, dofs, options);
+            let StillnessLimits { speed, duration } = joints.cutter.stillness;
             moves = !joints.holds_still().map_err(bad)?;
             if moves {
-                let StillnessLimits { speed, duration } = limits_of(options.stays);
-                let warning = format!(
-                    "{file}: the robot holds still nowhere ({duration} s with every joint below \
-                     {speed} rad/s): every reading is a row of a robot that moves"
-                );
-                warnings.push(warning.into());
+                warnings.push(format!(
+                    "the robot holds still nowhere ({duration} s with every joint below {speed} \
+                     rad/s): every reading is a row of a robot that moves"
+                ));
             }
         }
-        let source = McapSource::new(file, start()?, survey, dofs, options);
+        let source = McapSource::new(start()?, survey, dofs, options);
         Ok(McapSource {
-            moving: moves.then(|| Moving::new(source.q.len())),
+            moving: moves.then(|| Waiting::for_joints(source.q.len())),
             warnings,
             ..source
         })
     }
 
     /// A recording from its start on.
-    fn new(
-        file: &str,
-        records: Records,
-        survey: Survey,
-        dofs: &[Dof],
-        options: &Options,
-    ) -> McapSource {
+    fn new(records: Records, survey: Survey, dofs: &[Dof], options: &Options) -> McapSource {
         let first = match (&survey.topic, survey.is_wrench) {
             (None, _) => 3,
             (_, false) => FORCE_PLACE,
             (_, true) => FIRST.len(),
         };
         let names = FIRST[..first].iter().map(|name| name.to_string());
+        // Which stretches are postures, s.
+        let duration = match options.stays {
+            Stays::Alone(duration) => duration,
+            _ => 0.3,
+        };
         McapSource {
-            file: file.to_string(),
             records,
             header: names.chain(survey.joints.iter().cloned()).collect(),
             joints: States::new(&survey.joints, dofs),
@@ -182,7 +172,7 @@ impl McapSource {
             survey,
             contacts: Contacts::new(),
             frames: Frames::new(options),
-            cutter: StillnessCutter::new(limits_of(options.stays)),
+            cutter: StillnessCutter::new(StillnessLimits::lasting(duration)),
             moving: None,
             ready: VecDeque::new(),
             without_positions: 0,
@@ -208,7 +198,7 @@ impl McapSource {
                 Ok(false) => self.conclude(),
                 other => other.map(drop),
             };
-            advanced.map_err(|message| Error::log(self.file.clone(), None, message))?;
+            advanced.map_err(|message| Error::row(None, message))?;
         }
         Ok(self.ready.pop_front())
     }
@@ -218,7 +208,7 @@ impl McapSource {
         let Some(message) = self.records.next()? else {
             self.ended = true;
             self.take_both();
-            let last = self.joints.end();
+            let last = self.joints.held.take();
             self.joints_are(last);
             let last = self.cutter.end();
             self.keep(last);
@@ -236,7 +226,7 @@ impl McapSource {
             return Ok(true);
         }
         let pair = self.survey.pair.as_ref();
-        if pair.is_some_and(|pair| pair.topics[1] == *topic) {
+        if pair.is_some_and(|pair| pair[1].topic == *topic) {
             let (t, _, wrench) = message.decoded(cdr::wrench)?;
             self.contacts.other(t, wrench);
             self.take_both();
@@ -301,40 +291,40 @@ impl McapSource {
     /// A reading among the joints.
     fn place(&mut self, reading: Reading) {
         self.since.push(reading);
-        if !self.joints.waits() {
+        if self.joints.held.is_none() {
             self.joints_are(None);
         }
     }
 
     /// Joint positions that are the robot's, and the readings after them.
     fn joints_are(&mut self, state: Option<State>) {
-        if let Some(State { t, q, speed }) = state {
-            if let Some(moving) = &mut self.moving {
-                q.iter()
-                    .for_each(|(place, q)| moving.position(*place, t, *q));
-            } else {
-                q.iter().for_each(|(place, q)| self.q[*place] = *q);
-                let ended = self.cutter.state(t, &self.q, speed);
-                self.keep(ended);
+        let since = std::mem::take(&mut self.since);
+        if let Some(moving) = &mut self.moving {
+            if let Some(State { t, q, .. }) = state {
+                let positions = q.into_iter();
+                positions.for_each(|(place, q)| moving.message(place, t, [q]));
             }
-        }
-        for reading in std::mem::take(&mut self.since) {
-            if let Some(moving) = &mut self.moving {
+            for reading in since {
                 moving.reading(reading.t, reading);
-            } else {
-                let part = self.cutter.reading(reading);
-                self.keep(part);
             }
+            while let Some((reading, q)) = moving.next(self.ended) {
+                self.postures += 1;
+                self.ready.push_back(Ready {
+                    pose: reading.number as i64,
+                    q: q.into_flattened().into(),
+                    reading,
+                });
+            }
+            return;
         }
-        // Rows of a robot that moves, whose joints are known by now.
-        let next = |moving: &mut Moving<Reading>| moving.next(self.ended);
-        while let Some((reading, q)) = self.moving.as_mut().and_then(next) {
-            self.postures += 1;
-            self.ready.push_back(Ready {
-                pose: reading.number as i64,
-                q: q.into(),
-                reading,
-            });
+        if let Some(State { t, q, speed }) = state {
+            q.iter().for_each(|(place, q)| self.q[*place] = *q);
+            let ended = self.cutter.state(t, &self.q, speed);
+            self.keep(ended);
+        }
+        for reading in since {
+            let part = self.cutter.reading(reading);
+            self.keep(part);
         }
     }
 
@@ -348,10 +338,7 @@ impl McapSource {
             posture.readings = vec![Reading {
                 number: self.postures,
                 t: posture.t,
-                frame: "".into(),
-                cop: [f64::NAN; 2],
-                force: f64::NAN,
-                other: None,
+                ..Reading::default()
             }];
         }
         let q: Arc<[f64]> = posture.q.into();
@@ -369,10 +356,11 @@ impl McapSource {
         if let Some(pair) = pair.filter(|_| self.contacts.has_no_other()) {
             return Err(format!(
                 "no wrench on topic `{}`; mend the `topic` of its sensor in the sidecar",
-                short(&pair.topics[1])
+                short(&pair[1].topic)
             ));
         }
-        let mut said = std::mem::take(&mut self.frames.odd);
+        let said = &mut self.warnings;
+        said.append(&mut self.frames.odd);
         said.extend(self.joints.conclude()?);
         if self.postures == 0 {
             return Err(match self.moving {
@@ -383,7 +371,7 @@ impl McapSource {
                 None => self.cutter.stillness.nothing(),
             });
         }
-        let left_out = self.moving.as_ref().map_or(0, Moving::left_out);
+        let left_out = self.moving.as_ref().map_or(0, |moving| moving.left_out);
         let apart = format!(
             "readings lie between no joint states that are at most {LONGEST_S} s apart, and are \
              left out"
@@ -401,8 +389,6 @@ impl McapSource {
             said.extend((count > 0).then(|| format!("{count} of {of} {what}")));
         }
         said.extend(self.contacts.conclude(self.readings));
-        let named = said.iter().map(|said| format!("{}: {said}", self.file));
-        self.warnings.extend(named.map(Message::from));
         Ok(())
     }
 }
@@ -423,21 +409,13 @@ impl RowSource for McapSource {
                 .extend(columns.support.map(|_| reading.frame.clone()));
             raw.other.extend(reading.other);
             let first = self.header.len() - q.len();
-            raw.numbers.extend(columns.numbers.iter().map(|&k| match k {
-                T_PLACE => reading.t,
-                _ if k >= first => q[k - first],
-                FORCE_PLACE => reading.force / (1.0 - reading.other.map_or(0.0, |o| o.share)),
-                _ => reading.cop[usize::from(k == FORCE_PLACE - 1)],
-            }));
-        }
-        Ok(())
-    }
-
-    // Every message is read, since the next row needs the joints of those before it.
-    fn skip(&mut self, _: &Columns, rows: u64) -> Result<(), Error> {
-        for _ in 0..rows {
-            if self.next_row()?.is_none() {
-                break;
+            for (own, to) in columns.numbers.iter().zip(&mut raw.numbers) {
+                to.push(match own.column {
+                    T_PLACE => reading.t,
+                    k if k >= first => q[k - first],
+                    FORCE_PLACE => reading.force / (1.0 - reading.other.map_or(0.0, |o| o.share)),
+                    k => reading.cop[usize::from(k == FORCE_PLACE - 1)],
+                });
             }
         }
         Ok(())
@@ -448,28 +426,20 @@ impl RowSource for McapSource {
     }
 
     fn both(&self) -> Option<[String; 2]> {
-        Some(self.survey.pair.as_ref()?.links.clone())
+        Some(self.survey.pair.clone()?.map(|own| own.link))
     }
 
     fn progress(&self) -> (u64, Option<u64>) {
         self.records.input.progress()
     }
 
-    fn warnings(&mut self) -> Vec<Message> {
+    fn warnings(&mut self) -> Vec<String> {
         std::mem::take(&mut self.warnings)
     }
 
     fn hash(&self) -> u64 {
         self.records.input.hash()
     }
-}
-
-/// Which stretches are postures.
-fn limits_of(stays: Stays) -> StillnessLimits {
-    StillnessLimits::lasting(match stays {
-        Stays::Alone(duration) => duration,
-        _ => 0.3,
-    })
 }
 
 /// CoP of a wrench in the support frame; nothing if nothing stands on it.

@@ -16,7 +16,7 @@ use mcap::sans_io::decompressor::{DecompressResult, Decompressor};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, McapResult, parse_record};
 
-use super::cdr::Header;
+use super::cdr::{self, Cdr};
 use super::{POINT, STATE, WRENCH};
 use crate::logs::input::Metered;
 use crate::logs::names::short;
@@ -54,20 +54,20 @@ impl Message {
     /// What is wrong with it, and its topic.
     pub fn decoded<T>(
         &self,
-        decode: impl FnOnce(&[u8]) -> Result<(Header, T), String>,
+        decode: impl FnOnce(&mut Cdr) -> Result<T, String>,
     ) -> Result<(f64, String, T), String> {
         let channel = &self.channel;
         let decoded = match channel.encoding.as_str() {
-            "cdr" => decode(&self.data),
+            "cdr" => cdr::decoded(&self.data, decode),
             other => Err(format!(
                 "messages written as `{}`; record with ROS 2, which writes `cdr`",
                 short(other)
             )),
         };
-        let at = |said| format!("topic {}: {said}", short(&channel.topic));
-        let (header, content) = decoded.map_err(at)?;
-        let t = header.stamp.unwrap_or(self.log_time);
-        Ok((t, header.frame, content))
+        match decoded {
+            Ok((stamp, frame, content)) => Ok((stamp.unwrap_or(self.log_time), frame, content)),
+            Err(said) => Err(format!("topic {}: {said}", short(&channel.topic))),
+        }
     }
 }
 
@@ -126,15 +126,14 @@ impl Records {
                     continue;
                 }
             };
-            if opcode == op::CHUNK {
-                return Err("a chunk within a chunk; the file is damaged".into());
-            }
-            // What publishers promise of a topic has some KiB.
-            if opcode == op::CHANNEL && content.len() > 1 << 20 {
-                return Err("a topic of more than 1 MiB; the file is damaged".into());
-            }
-            if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
-                continue;
+            match opcode {
+                op::CHUNK => return Err("a chunk within a chunk; the file is damaged".into()),
+                // What publishers promise of a topic has some KiB.
+                op::CHANNEL if content.len() > 1 << 20 => {
+                    return Err("a topic of more than 1 MiB; the file is damaged".into());
+                }
+                op::SCHEMA | op::CHANNEL | op::MESSAGE => {}
+                _ => continue,
             }
             match parse_record(opcode, content).map_err(fault)? {
                 Record::Schema { header, .. } => {
@@ -142,8 +141,8 @@ impl Records {
                     self.schemas.insert(header.id, header.name);
                 }
                 Record::Channel(channel) => {
-                    let schema = self.schemas.get(&channel.schema_id);
-                    let schema = schema.cloned().unwrap_or_default();
+                    let schema = self.schemas.get(&channel.schema_id).cloned();
+                    let schema = schema.unwrap_or_default();
                     for name in [&channel.topic, &channel.message_encoding, &schema] {
                         keep(&mut self.names, name)?;
                     }

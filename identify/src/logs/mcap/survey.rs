@@ -1,16 +1,21 @@
-//! A first look at a recording: which joints and which CoP it has.
+//! A first look at a recording: which joints, which CoP and which contacts it has, and how the
+//! frames of readings lie to the support.
+//!
+//! A wrench or a point in another frame of the support's rigid body is moved to the sole by the
+//! URDF. One in a frame that the URDF does not have is taken as one of the sole, with a word.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::sync::Arc;
 
 use sesc_model::tree::Dof;
 use sesc_model::urdf::suggestion;
 
 use super::cdr::{self, JointState};
-use super::contacts::{Pair, Wrenches};
 use super::records::{Channel, Records};
-use super::{FIRST, STATE, WRENCH};
+use super::{FIRST, LEAST_LOAD_N, STATE, WRENCH};
+use crate::logs::block::Frame;
 use crate::logs::names::{list, short};
-use crate::logs::settings::{Options, Readings};
+use crate::logs::settings::{Options, Readings, Sidecar};
 
 /// The topic of a robot's joints by convention, which goes before others.
 const JOINTS_TOPIC: &str = "/joint_states";
@@ -32,10 +37,10 @@ pub(super) struct Survey {
     pub chosen: bool,
     /// Whether that topic is of wrenches.
     pub is_wrench: bool,
-    /// Frame of these wrenches, where the sidecar says it.
+    /// Frame of these wrenches, where a sensor of the sidecar says it.
     pub frame: Option<String>,
-    /// The two contacts of a recording of both feet.
-    pub pair: Option<Pair>,
+    /// The two contacts of a recording of both feet, that of the support first.
+    pub pair: Option<[Contact; 2]>,
 }
 
 impl Survey {
@@ -43,9 +48,15 @@ impl Survey {
     pub fn of(
         mut records: Records,
         dofs: &[Dof],
-        [topic, joints_topic]: [Option<&str>; 2],
         options: &Options,
+        sidecar: &Sidecar,
     ) -> Result<Survey, String> {
+        let named = named(sidecar, options)?;
+        let topic = named
+            .first()
+            .map(|own| &own.topic)
+            .or(sidecar.topic.as_ref());
+        let joints_topic = sidecar.joints_topic.as_ref();
         let wanted = options.readings != Readings::Ignored;
         let is_one_foot = options.both_feet == Some(false) || options.soles.is_none();
         let mut wrenches = Wrenches::new(wanted && topic.is_none() && !is_one_foot);
@@ -116,15 +127,25 @@ impl Survey {
             joints.retain(|name| !FIRST.contains(&name.as_str()));
             joints.sort();
         }
-        let pair = wrenches.pair(dofs.len(), options);
-        let support = pair.as_ref().map(|pair| pair.topics[0].clone());
+        let frame = named.first().map(|own| own.link.clone());
+        let mut pair = wrenches.pair(dofs.len(), options);
+        if let [own, other] = &named[..] {
+            let link = options.support.as_ref().unwrap_or(&own.link).clone();
+            let own = Contact {
+                link,
+                ..own.clone()
+            };
+            pair = Some([own, other.clone()]);
+        }
+        let chosen = topic.is_some() || pair.is_some();
+        let topic = pair.as_ref().map(|pair| pair[0].topic.clone()).or(found);
         Ok(Survey {
             joints,
             joint_topics,
-            topic: support.or(found).filter(|_| wanted),
-            chosen: topic.is_some() || pair.is_some(),
+            topic: topic.filter(|_| wanted),
+            chosen,
             is_wrench,
-            frame: None,
+            frame,
             pair,
         })
     }
@@ -152,4 +173,175 @@ fn chosen(mut topics: JointTopics) -> Result<JointTopics, String> {
         }
     }
     Ok(topics)
+}
+
+/// What stands on the ground, by its wrenches.
+#[derive(Clone, Default)]
+pub(super) struct Contact {
+    pub topic: String,
+    pub link: String,
+}
+
+/// Topics and frames of the sensors that a sidecar names, that of the support first.
+///
+/// # Errors
+/// A sensor without a topic or a frame, and a third one.
+fn named(sidecar: &Sidecar, options: &Options) -> Result<Vec<Contact>, String> {
+    let mut named = Vec::new();
+    for (name, sensor) in sidecar.sensors.iter().flatten() {
+        let (Some(topic), Some(link)) = (sensor.topic.clone(), sensor.frame.clone()) else {
+            return Err(format!(
+                "sensor `{}` of the sidecar: a recording needs its `topic` and its `frame`",
+                short(name)
+            ));
+        };
+        named.push(Contact { topic, link });
+    }
+    if named.len() > 2 {
+        let said = "a recording is read with the wrenches of two sensors at most; remove others \
+                    from `[sensors]` of the sidecar";
+        return Err(said.into());
+    }
+    let is_own = |frame: &str| {
+        let support = options.support.as_deref();
+        let fixed = || options.soles.as_ref()?.fixed(support?, frame);
+        support == Some(frame) || fixed().is_some()
+    };
+    named.sort_by_key(|own| !is_own(&own.link));
+    Ok(named)
+}
+
+/// Messages of a contact.
+#[derive(Default)]
+struct Seen {
+    contact: Contact,
+    messages: u64,
+    loaded: u64,
+}
+
+/// The wrenches of a recording, until it is known whether two of them are a pair.
+struct Wrenches {
+    seen: Vec<Seen>,
+    /// Messages that say whether both are loaded, at most; none where it is known already.
+    left: u64,
+}
+
+impl Wrenches {
+    /// Nothing is seen yet, or wanted at all.
+    pub fn new(are_wanted: bool) -> Wrenches {
+        Wrenches {
+            seen: Vec::new(),
+            left: if are_wanted { 4000 } else { 0 },
+        }
+    }
+
+    /// Whether more messages are wanted.
+    pub fn undecided(&self) -> bool {
+        self.left > 0
+    }
+
+    /// A point: which topic is the CoP, the sidecar says.
+    pub fn point(&mut self) {
+        (self.seen, self.left) = (Vec::new(), 0);
+    }
+
+    /// A wrench on a topic, in a frame.
+    pub fn see(&mut self, topic: &str, frame: &str, force: [f64; 3]) {
+        let at = self.seen.iter().position(|own| own.contact.topic == *topic);
+        let at = at.unwrap_or(self.seen.len());
+        if at == self.seen.len() {
+            self.seen.push(Seen::default());
+        }
+        let own = &mut self.seen[at];
+        own.contact.topic = topic.to_string();
+        own.contact.link = frame.trim_start_matches('/').to_string();
+        own.messages += 1;
+        own.loaded += u64::from(force[2].abs() >= LEAST_LOAD_N);
+        self.left = if at > 1 { 0 } else { self.left - 1 };
+    }
+
+    /// The contacts of a recording in which two wrenches, in frames of two of the robot's links,
+    /// are both loaded in half of their messages or more; none of any other recording, and where
+    /// `options` do not say how the two stand to each other. The support is one of them, where it
+    /// is said.
+    pub fn pair(mut self, dofs: usize, options: &Options) -> Option<[Contact; 2]> {
+        // That of the support is first, else the one that came first.
+        let support = options.support.as_ref();
+        let is_support = |own: &Seen| support.is_none_or(|support| own.contact.link == *support);
+        self.seen.sort_by_key(|own| !is_support(own));
+        let [one, other] = &self.seen[..] else {
+            return None;
+        };
+        let stands = |own: &Seen| {
+            2 * own.loaded >= own.messages && options.links.contains(&own.contact.link)
+        };
+        let links = [&one.contact.link, &other.contact.link];
+        let is_pair = stands(one) && stands(other) && links[0] != links[1] && is_support(one);
+        let soles = options.soles.as_ref().filter(|_| is_pair)?;
+        soles.seen(&vec![0.0; dofs], links[0], links[1], [0.0; 2])?;
+        Some([one.contact.clone(), other.contact.clone()])
+    }
+}
+
+/// What is known of frames.
+pub(super) struct Frames {
+    options: Options,
+    /// Frames that came: the link that stands, empty where nothing says it, and how readings are
+    /// moved to it.
+    known: HashMap<String, (Arc<str>, Option<Frame>)>,
+    /// What there is to say of frames beside the support, in the order in which they came.
+    pub odd: Vec<String>,
+}
+
+impl Frames {
+    pub fn new(options: &Options) -> Frames {
+        Frames {
+            options: options.clone(),
+            known: HashMap::new(),
+            odd: Vec::new(),
+        }
+    }
+
+    /// The link that is the support of a reading, empty where the frame is none, and how the
+    /// reading is moved to it.
+    pub fn of(&mut self, frame: &str) -> (Arc<str>, Option<Frame>) {
+        let frame = frame.trim_start_matches('/');
+        if !self.known.contains_key(frame) {
+            let judged = self.judge(frame);
+            self.known.insert(frame.to_string(), judged);
+        }
+        self.known[frame].clone()
+    }
+
+    fn judge(&mut self, frame: &str) -> (Arc<str>, Option<Frame>) {
+        let Options {
+            support,
+            links,
+            soles,
+            ..
+        } = &self.options;
+        let other = support.as_deref().filter(|own| *own != frame);
+        let is_support = support.is_some() && other.is_none();
+        if frame.is_empty() || links.is_empty() {
+            return ("".into(), None);
+        } else if !is_support && !links.iter().any(|link| link == frame) {
+            let sole = other.map_or("the support".to_string(), |own| format!("`{}`", short(own)));
+            self.odd.push(format!(
+                "readings are in the frame `{}`, which the URDF does not have: they are taken as \
+                 those about the origin of {sole}",
+                short(frame)
+            ));
+            return ("".into(), None);
+        }
+        let moved = other.and_then(|own| Some((own, soles.as_ref()?.fixed(own, frame)?)));
+        let Some((support, moved)) = moved else {
+            return (frame.into(), None);
+        };
+        self.odd.push(format!(
+            "readings are in the frame `{}` and are moved to `{}`, of the same body, by the URDF",
+            short(frame),
+            short(support)
+        ));
+        (support.into(), Some(moved))
+    }
 }

@@ -140,8 +140,8 @@ fn a_point_has_the_bytes_of_the_standard() {
         expected.extend(x.to_le_bytes());
     }
     assert_eq!(bytes, expected);
-    let (header, at) = cdr::point(&bytes).unwrap();
-    assert_eq!((header.stamp, &*header.frame), (Some(7.5), "f"));
+    let (stamp, frame, at) = cdr::decoded(&bytes, cdr::point).unwrap();
+    assert_eq!((stamp, &*frame), (Some(7.5), "f"));
     assert_eq!(at, [0.25, -2.0, 0.0]);
 }
 

@@ -2,41 +2,44 @@
 //! any width, `support` as text. Timestamps are seconds since 1970, as those of tables.
 //!
 //! Memory: one page of each wanted column, and what files claim is held against their
-//! bytes (`limits`).
+//! bytes (`limits`). A file that is written takes two groups of rows.
 
 mod limits;
-mod sink;
 
+use std::cmp::Ordering;
 use std::fs::File;
 use std::io;
+use std::mem::take;
 use std::sync::Arc;
 
-use bytes::Bytes;
-use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type as Physical};
+use parquet::basic::Type as Physical;
+use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, TimeUnit};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
+use parquet::column::writer::ColumnWriter;
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::ParquetMetaData;
+use parquet::file::properties::WriterProperties;
 use parquet::file::reader::ChunkReader;
-use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::{ColumnDescPtr, ColumnDescriptor, Type};
 
 use self::limits::ENCRYPTED;
-pub(super) use self::sink::ParquetSink;
-use super::columns::{Columns, POSE, SUPPORT};
+use super::columns::{Columns, Field, POSE, Row, SUPPORT, Written, fields};
 use super::input::{Metered, Place};
 use super::source::{Raw, RowSource, catch_panic, repeated};
+use crate::files::NewFile;
 use crate::{Error, Setting, message};
 
 /// A Parquet file being read.
 struct ParquetSource<R> {
-    file: String,
     place: Place,
     input: Arc<R>,
     footer: ParquetMetaData,
     header: Vec<String>,
     /// Row groups that were opened.
     groups: usize,
-    /// The wanted columns of the open group: numbers, then pose, then support.
+    /// The wanted columns of the open group.
     open: Vec<ColumnReader>,
     /// Rows left in it.
     left: u64,
@@ -46,26 +49,19 @@ struct ParquetSource<R> {
     hash: Option<u64>,
 }
 
-/// Read the columns' names; `file` names the log in messages.
-pub(super) fn open(place: &Place, file: &str) -> Result<Box<dyn RowSource>, Error> {
-    let failed = |source| Error::read(file.to_string(), source);
-    Ok(match place {
-        Place::File(path) => {
-            let input = File::open(path).map_err(failed)?;
-            Box::new(ParquetSource::new(input, place, file)?)
-        }
-        Place::Bytes(bytes) => {
-            let input = Bytes::from_owner(bytes.clone());
-            Box::new(ParquetSource::new(input, place, file)?)
-        }
-        Place::Table(_) => return Err(failed(io::ErrorKind::Unsupported.into())),
-    })
+/// Read the columns' names.
+pub(super) fn open(place: &Place) -> Result<Box<dyn RowSource>, Error> {
+    match place {
+        Place::File(path) => ParquetSource::open(File::open(path).map_err(Error::unread)?, place),
+        Place::Bytes(bytes) => ParquetSource::open(bytes.clone(), place),
+        Place::Table(_) => Err(Error::unread(io::ErrorKind::Unsupported.into())),
+    }
 }
 
 impl<R: ChunkReader + 'static> ParquetSource<R> {
-    fn new(input: R, place: &Place, file: &str) -> Result<ParquetSource<R>, Error> {
+    fn open(input: R, place: &Place) -> Result<Box<dyn RowSource>, Error> {
         let read = guarded(|| limits::footer(&input));
-        let (footer, total) = read.map_err(|error| damaged(file, None, &error))?;
+        let (footer, total) = read.map_err(|error| damaged(None, &error))?;
         let columns = footer.file_metadata().schema_descr().columns().iter();
         let header = columns.map(|column| match column.path().string() {
             // The row labels of a data frame.
@@ -75,8 +71,7 @@ impl<R: ChunkReader + 'static> ParquetSource<R> {
             },
             name => name.trim().to_string(),
         });
-        Ok(ParquetSource {
-            file: file.to_string(),
+        Ok(Box::new(ParquetSource {
             place: place.clone(),
             input: Arc::new(input),
             header: header.collect(),
@@ -87,7 +82,7 @@ impl<R: ChunkReader + 'static> ParquetSource<R> {
             done: 0,
             total,
             hash: None,
-        })
+        }))
     }
 
     /// Open the wanted columns of the next group with rows, where none is left of the open one;
@@ -104,9 +99,7 @@ impl<R: ChunkReader + 'static> ParquetSource<R> {
             }
             let open = guarded(|| {
                 let rows = usize::try_from(group.num_rows())?;
-                let wanted = columns.numbers.iter().copied();
-                let wanted = wanted.chain(columns.pose).chain(columns.support);
-                let open = wanted.map(|k| {
+                let open = wanted(columns).map(|(k, _)| {
                     let pages = limits::pages(&self.input, group.column(k), rows)?;
                     Ok(get_column_reader(self.column(k), pages))
                 });
@@ -118,29 +111,27 @@ impl<R: ChunkReader + 'static> ParquetSource<R> {
     }
 
     fn bad(&self, message: String) -> Error {
-        Error::log(self.file.clone(), Some(self.done + 1), message)
+        Error::row(Some(self.done + 1), message)
     }
 
     /// Check once that every wanted column holds what it should.
     fn check_types(&self, columns: &Columns) -> Result<(), Error> {
-        let numbers = columns.numbers.iter().zip(&columns.names);
-        let bad =
-            |name: &str, what: &str| Err(self.bad(format!("column `{name}` holds no {what}")));
-        for (k, name) in numbers {
-            if !is_number(&self.column(*k)) {
-                let what = "plain numbers; store float64, float32, integers or timestamps";
-                return bad(name, what);
+        for (k, name) in wanted(columns) {
+            let column = self.column(k);
+            let is_text = is_flat(&column) && column.physical_type() == Physical::BYTE_ARRAY;
+            let (is_so, what) = match name {
+                SUPPORT => (is_text, "text"),
+                POSE => (is_number(&column), "whole numbers"),
+                _ => (
+                    is_number(&column),
+                    "plain numbers; store float64, float32, integers or timestamps",
+                ),
+            };
+            if !is_so {
+                return Err(self.bad(format!("column `{name}` holds no {what}")));
             }
         }
-        if columns.pose.is_some_and(|k| !is_number(&self.column(k))) {
-            return bad(POSE, "whole numbers");
-        }
-        let is_text =
-            |own: ColumnDescPtr| is_flat(&own) && own.physical_type() == Physical::BYTE_ARRAY;
-        match columns.support.is_none_or(|k| is_text(self.column(k))) {
-            true => Ok(()),
-            false => bad(SUPPORT, "text"),
-        }
+        Ok(())
     }
 
     fn column(&self, k: usize) -> ColumnDescPtr {
@@ -149,11 +140,9 @@ impl<R: ChunkReader + 'static> ParquetSource<R> {
 
     /// Read `n` rows that the open group still has.
     fn rows(&mut self, columns: &Columns, n: usize, raw: &mut Raw) -> Result<(), Error> {
-        let (width, start) = (columns.numbers.len(), raw.numbers.len());
-        raw.numbers.resize(start + n * width, f64::NAN);
         // Rows that the pages have and the group does not count would be lost.
         let asked = n + usize::from(self.left == n as u64);
-        let mut open = std::mem::take(&mut self.open);
+        let mut open = take(&mut self.open);
         for (k, reader) in open.iter_mut().enumerate() {
             if let ColumnReader::ByteArrayColumnReader(reader) = reader {
                 let texts = read(reader, asked, &ByteArray::from(""), ByteArray::clone);
@@ -168,12 +157,12 @@ impl<R: ChunkReader + 'static> ParquetSource<R> {
             }
             let values = read_numbers(reader, asked).map_err(|e| self.broken(&e))?;
             self.complete(values.len(), n)?;
-            if k < width {
-                let factor = unit(&self.column(columns.numbers[k])).unwrap_or(1.0);
-                let places = raw.column(start + k, width);
-                places.zip(values).for_each(|(to, x)| *to = x * factor);
-            } else {
-                raw.poses(&self.file, self.done + 1, values)?;
+            match columns.numbers.get(k) {
+                Some(own) => {
+                    let factor = unit(&self.column(own.column)).unwrap_or(1.0);
+                    raw.numbers[k].extend(values.iter().map(|x| x * factor));
+                }
+                None => raw.poses(self.done + 1, values)?,
             }
         }
         self.open = open;
@@ -184,14 +173,14 @@ impl<R: ChunkReader + 'static> ParquetSource<R> {
     }
 
     fn broken(&self, error: &ParquetError) -> Error {
-        damaged(&self.file, Some(self.done + 1), error)
+        damaged(Some(self.done + 1), error)
     }
 
     fn complete(&self, found: usize, expected: usize) -> Result<(), Error> {
-        let said = match found {
-            _ if found == expected => return Ok(()),
-            _ if found < expected => "the file ends within a column; copy it again",
-            _ => "a column has more rows than its group says; the file is damaged",
+        let said = match found.cmp(&expected) {
+            Ordering::Equal => return Ok(()),
+            Ordering::Less => "the file ends within a column; copy it again",
+            Ordering::Greater => "a column has more rows than its group says; the file is damaged",
         };
         Err(self.bad(said.into()))
     }
@@ -215,9 +204,8 @@ impl<R: ChunkReader + 'static> RowSource for ParquetSource<R> {
         if missing > 0 && self.hash.is_none() {
             // Columns lie one behind the other, so that no reader of rows meets the bytes in
             // their order.
-            let mut all = Metered::open(&self.place, &self.file)?;
-            let read = io::copy(&mut all, &mut io::sink());
-            read.map_err(|source| Error::read(self.file.clone(), source))?;
+            let mut all = Metered::open(&self.place)?;
+            io::copy(&mut all, &mut io::sink()).map_err(Error::unread)?;
             self.hash = Some(all.hash());
         }
         Ok(())
@@ -232,7 +220,7 @@ impl<R: ChunkReader + 'static> RowSource for ParquetSource<R> {
                 self.left = 0;
             } else {
                 let n = rows.min(1 << 16);
-                self.rows(columns, n as usize, &mut Raw::default())?;
+                self.rows(columns, n as usize, &mut Raw::new(columns))?;
                 rows -= n;
             }
         }
@@ -248,7 +236,19 @@ impl<R: ChunkReader + 'static> RowSource for ParquetSource<R> {
     }
 }
 
-fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
+/// Places and names of the wanted columns: numbers, then pose, then support.
+fn wanted(columns: &Columns) -> impl Iterator<Item = (usize, &str)> {
+    let numbers = columns
+        .numbers
+        .iter()
+        .map(|own| (own.column, own.name.as_str()));
+    let pose = columns.pose.map(|k| (k, POSE));
+    numbers
+        .chain(pose)
+        .chain(columns.support.map(|k| (k, SUPPORT)))
+}
+
+fn damaged(line: Option<u64>, error: &ParquetError) -> Error {
     let said = error.to_string();
     let message = if said.contains("compile time: zstd") {
         message![
@@ -265,7 +265,7 @@ fn damaged(file: &str, line: Option<u64>, error: &ParquetError) -> Error {
         let said = said.trim_start_matches("Parquet error: ");
         format!("the Parquet file is cut off or damaged ({said}); copy it again").into()
     };
-    Error::log(file.to_string(), line, message)
+    Error::row(line, message)
 }
 
 /// Run a step of the Parquet library, which meets some damages with a panic: the file's
@@ -287,14 +287,11 @@ fn is_number(column: &ColumnDescriptor) -> bool {
         // A column that is null throughout has the last of them.
         None | Some(LogicalType::Integer { .. } | LogicalType::Unknown)
     );
-    let physical = column.physical_type();
-    let number = [
-        Physical::INT32,
-        Physical::INT64,
-        Physical::FLOAT,
-        Physical::DOUBLE,
-    ];
-    is_flat(column) && (unit(column).is_some() || plain && number.contains(&physical))
+    let is_numeric = matches!(
+        column.physical_type(),
+        Physical::INT32 | Physical::INT64 | Physical::FLOAT | Physical::DOUBLE
+    );
+    is_flat(column) && (unit(column).is_some() || plain && is_numeric)
 }
 
 /// The unit of a column of timestamps, s.
@@ -346,4 +343,91 @@ fn read<T: DataType, V: Clone>(
     let of = |level: &i16| if *level > 0 { values.next() } else { None };
     let all = levels.iter().take(records).map(of);
     Ok(all.map(|own| own.unwrap_or_else(|| none.clone())).collect())
+}
+
+/// A Parquet file being written, a group of rows at a time.
+pub(super) struct ParquetSink {
+    /// The group's poses and supports, and its numbers column by column.
+    poses: Vec<i64>,
+    supports: Vec<ByteArray>,
+    numbers: Vec<Vec<f64>>,
+    writer: SerializedFileWriter<NewFile>,
+}
+
+impl ParquetSink {
+    /// Start a file with the columns `names`: `pose` whole, `support` text, the
+    /// others numbers.
+    pub fn new(file: NewFile, names: &[String]) -> io::Result<ParquetSink> {
+        let fields = names.iter().map(|name| {
+            let (physical, logical) = match name.as_str() {
+                POSE => (Physical::INT64, None),
+                SUPPORT => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+                _ => (Physical::DOUBLE, None),
+            };
+            let field = Type::primitive_type_builder(name, physical)
+                .with_repetition(Repetition::REQUIRED)
+                .with_logical_type(logical);
+            field.build().map(Arc::new)
+        });
+        let fields = fields.collect::<Result<_, ParquetError>>()?;
+        let schema = Type::group_type_builder("postures").with_fields(fields);
+        let schema = Arc::new(schema.build()?);
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::SNAPPY)
+            .set_dictionary_enabled(false)
+            .build();
+        Ok(ParquetSink {
+            poses: Vec::new(),
+            supports: Vec::new(),
+            numbers: vec![Vec::new(); names.len()],
+            writer: SerializedFileWriter::new(file, schema, properties.into())?,
+        })
+    }
+
+    /// Append a row.
+    pub fn row(&mut self, row: &Row, columns: Written) -> io::Result<()> {
+        for (field, numbers) in fields(row, columns).zip(&mut self.numbers) {
+            match field {
+                Field::Whole(pose) => self.poses.push(pose),
+                Field::Text(support) => self.supports.push(support.into()),
+                Field::Number(x) => numbers.push(x),
+            }
+        }
+        match self.poses.len() {
+            65_536 => self.flush(),
+            _ => Ok(()),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let mut group = self.writer.next_row_group()?;
+        for numbers in &mut self.numbers {
+            let Some(mut column) = group.next_column()? else {
+                break;
+            };
+            match column.untyped() {
+                ColumnWriter::Int64ColumnWriter(to) => {
+                    to.write_batch(&take(&mut self.poses), None, None)?
+                }
+                ColumnWriter::ByteArrayColumnWriter(to) => {
+                    to.write_batch(&take(&mut self.supports), None, None)?
+                }
+                ColumnWriter::DoubleColumnWriter(to) => {
+                    to.write_batch(&take(numbers), None, None)?
+                }
+                _ => 0,
+            };
+            column.close()?;
+        }
+        group.close()?;
+        Ok(())
+    }
+
+    /// Write what is left; the file is yet to be moved to its place.
+    pub fn finish(mut self) -> io::Result<NewFile> {
+        if !self.poses.is_empty() {
+            self.flush()?;
+        }
+        Ok(self.writer.into_inner()?)
+    }
 }

@@ -80,16 +80,8 @@ pub(super) fn whitened(
     (z, log_det)
 }
 
-/// Noise that lasts under white noise, and the share of it that lasts.
-pub(super) struct Mixture {
-    pub found: Ar1Process,
-    pub share: f64,
-    /// What neither time nor columns explain, in units of its deviation.
-    pub innovations: Vec<f64>,
-}
-
-/// Estimate it from some rows.
-pub(super) fn estimate(rows: &AxisRows) -> Option<Mixture> {
+/// Estimate noise that lasts under white noise from some rows.
+pub(super) fn estimate(rows: &AxisRows) -> Option<Ar1Process> {
     let (turn, z) = rows.in_basis()?;
     let (n, z) = (z.nrows(), z.transpose());
     let (low, high) = rows.times(SHORTEST, LONGEST)?;
@@ -128,19 +120,12 @@ pub(super) fn estimate(rows: &AxisRows) -> Option<Mixture> {
     let (part, share) = best.0;
     let tau = time(part);
     let best = at(tau, share)?;
-    let p = z.nrows() - 1;
-    let (whitened, _) = whitened(rows, z, tau, share);
-    let explained = whitened.rows(0, p).tr_mul(&best.params);
-    let left = whitened.row(p).transpose() - explained;
-    Some(Mixture {
+    Some(Ar1Process {
+        tau,
         share,
-        found: Ar1Process {
-            tau,
-            variance: best.variance,
-            gain: 2.0 * (best.value - white.value),
-            freedom: (n - p) as f64,
-            params: turn * best.params,
-        },
-        innovations: left.iter().copied().collect(),
+        variance: best.variance,
+        gain: 2.0 * (best.value - white.value),
+        freedom: (n + 1 - z.nrows()) as f64,
+        params: turn * best.params,
     })
 }

@@ -22,6 +22,7 @@ mod mixture;
 mod restricted;
 mod windows;
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::criteria::correlation::{
@@ -32,7 +33,7 @@ use super::criteria::{AS_GOOD, CERTAIN};
 use super::noise::quantile;
 use nalgebra::{DMatrix, DVector};
 
-use restricted::AxisRows;
+use restricted::{Ar1Process, AxisRows};
 pub use windows::{Cut, GAP, Independent, Process, Whitener};
 
 /// What a log's residuals say of its noise, on one axis.
@@ -82,15 +83,11 @@ impl Correlation {
         let Some(step) = step(t).filter(|_| n >= ENOUGH) else {
             return Correlation::NONE;
         };
-        let means;
         let x = match held {
-            0 => x,
-            _ => {
-                means = without_noise(t, x);
-                &means
-            }
+            0 => Cow::Borrowed(x),
+            _ => Cow::Owned(without_noise(t, x)),
         };
-        let fit = Fitted::new((t, y), x, held);
+        let fit = Fitted::new((t, y), &x, held);
         let mut chosen: Option<Scale> = None;
         let (mut rows, mut most) = (1, n);
         let mut before = f64::INFINITY;
@@ -247,21 +244,15 @@ impl Scale {
 
     /// Estimate from these windows.
     fn of(fit: &Fitted, windows: &[Range<usize>], cut: Cut) -> Option<Scale> {
-        let Fitted {
-            t,
-            y,
-            x,
-            held,
-            taken,
-        } = *fit;
+        let (x, held, taken) = (fit.x, fit.held, fit.taken);
         let n = windows.len();
         let mean = |column: &[f64]| -> Vec<f64> {
             let own = windows.iter().map(|window| &column[window.clone()]);
             own.map(|own| own.iter().sum::<f64>() / own.len() as f64)
                 .collect()
         };
-        let middle = mean(t);
-        let of_y = DVector::from_vec(mean(y.as_slice()));
+        let middle = mean(fit.t);
+        let of_y = DVector::from_vec(mean(fit.y.as_slice()));
         let mut of_x = DMatrix::zeros(n, x.ncols());
         for k in 0..x.ncols() {
             of_x.set_column(k, &DVector::from_vec(mean(x.column(k).as_slice())));
@@ -282,11 +273,13 @@ impl Scale {
                 found = restricted::estimate(all)?;
             }
         }
-        let left = &rows.y - &rows.x * &found.params;
-        let left = DMatrix::from_row_slice(1, n, left.as_slice());
-        let (innovations, _) = mixture::whitened(&rows, left, found.tau, 1.0);
-        let mut consistent = is_white(innovations.as_slice(), taken);
-        let mut share = 1.0;
+        let leaves_white = |found: &Ar1Process| {
+            let left = &rows.y - &rows.x * &found.params;
+            let left = DMatrix::from_row_slice(1, n, left.as_slice());
+            let (innovations, _) = mixture::whitened(&rows, left, found.tau, found.share);
+            is_white(innovations.as_slice(), taken)
+        };
+        let mut consistent = leaves_white(&found);
         if found.gain > AS_GOOD && n <= FILTERED {
             // Where both leave nothing, the simpler is taken unless it is less likely by far.
             let least = match consistent {
@@ -294,19 +287,20 @@ impl Scale {
                 false => found.gain,
             };
             let mixture = mixture::estimate(with_held.as_ref().unwrap_or(&rows))
-                .filter(|it| it.found.gain > least)
-                .filter(|it| is_white(&it.innovations[..n], taken));
+                .filter(|it| it.gain > least)
+                .filter(leaves_white);
             if let Some(mixture) = mixture {
-                (found, share, consistent) = (mixture.found, mixture.share, true);
+                (found, consistent) = (mixture, true);
             }
         }
+        let share = found.share;
         // The ordinary distance of neighbouring windows, s.
         let step = rows.step().unwrap_or(f64::INFINITY);
         let rows = windows.iter().map(Range::len).sum::<usize>() as f64 / n as f64;
         // What varies within windows is what averaging took from the variance of a row.
         let within = match cut.rows {
             1 => 0.0,
-            _ => within(&(y - x * &found.params), windows),
+            _ => within(&(fit.y - x * &found.params), windows),
         };
         let row = found.variance + within;
         let left = found.variance / row;

@@ -36,6 +36,8 @@ const LEAST: f64 = 1e-12;
 pub(super) struct Ar1Process {
     /// s; zero where residuals are white.
     pub tau: f64,
+    /// Part of the variance that lasts; the rest is white noise.
+    pub share: f64,
     /// Variance of one row.
     pub variance: f64,
     /// Twice the log likelihood that correlation gains over none.
@@ -121,6 +123,7 @@ pub(super) fn estimate(rows: &AxisRows) -> Option<Ar1Process> {
     let white = sums.likelihood(0.0)?;
     let process = |tau: f64, found: &Likelihood| Ar1Process {
         tau,
+        share: 1.0,
         variance: found.variance,
         gain: 2.0 * (found.value - white.value),
         freedom: (sums.rows + 1 - z.ncols()) as f64,

@@ -26,26 +26,33 @@
 //! accelerations change from row to row is known, too, for joints that are late.
 //!
 //! Rows of a regressor that hold this noise would pull the parameters to zero, the more the less
-//! the joints move: for them the motion is also known [`Smooth`], by order 4 through windows of
+//! the joints move: for them the motion is also known smooth, by order 4 through windows of
 //! 2 h, which have a hundredth of the noise's square.
+//!
+//! ```text
+//! E[Xᵀ e] = −E[ε_Xᵀ ε_X] r        where the noise of q, q̇ and q̈ is in rows and readings alike
+//! ```
+//!
+//! Of a window of 2 h the noise of an acceleration has a thirtieth of the square that one of h
+//! has, and what both share is no more than that (it is the better estimate of the two). Near the
+//! ends and beside a pause a window reaches as far as the log goes on: a few rows as they were read
+//! would hold more of the noise than all others together, and rows freed of noise that lasts are
+//! differences, which have all of it.
 
-mod changes;
 mod polynomials;
-mod smooth;
 #[cfg(test)]
 mod tests;
 mod windows;
 
 use super::criteria::accelerations::{
-    BENT, COHERENT, COVERED, LONGEST_OF_SLOW_S, LONGEST_S, MOST_BENT, MOVES, NOISIEST,
+    BENT, COHERENT, COVERED, LONGEST_OF_SLOW_S, LONGEST_S, MOST_BENT, MOVES, NOISIEST, REACH_S,
 };
 use std::ops::Range;
 
-use super::correlation;
+use super::correlation::{self, GAP};
 use crate::logs::{Block, keep_some};
 use crate::threads::by_parts;
 use polynomials::{HIGH, Polynomials};
-pub use smooth::Smooth;
 use windows::{FEWEST, Nodes};
 
 /// Coefficients of the polynomials of order 3, and of one to a side.
@@ -60,6 +67,8 @@ const OF_HIGH: f64 = 0.25;
 
 /// What a window leaves of the noise of its own row at least, as a part.
 const LEAST_LEFT: f64 = 0.2;
+/// Windows of smooth motion are so many times as long.
+const LONGER: f64 = 2.0;
 
 /// How the joints of a log are differentiated.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,8 +130,9 @@ pub struct Motion {
     pub snaps: Vec<f64>,
     /// Whether the row has a window.
     pub known: Vec<bool>,
-    /// The same with little noise, row by row and joint by joint; none where it is not asked for.
-    pub smooth: Option<Smooth>,
+    /// Positions, velocities and accelerations by windows of twice the length, with little noise and
+    /// bent where it is fast, row by row and joint by joint; none where they are not asked for.
+    pub smooth: Option<[Vec<f64>; 3]>,
 }
 
 impl Plan {
@@ -164,7 +174,7 @@ impl Plan {
 
     /// How far what is known of a row reaches to either side, s.
     pub fn reach_s(&self) -> f64 {
-        windows::reach(smooth::LONGER * self.half) + changes::reach(self.step_s)
+        windows::reach(LONGER * self.half) + self.reach_of_changes_s()
     }
 
     /// The motion in some `rows` of a log, of whose neighbours `t` and `q` hold what
@@ -180,7 +190,7 @@ impl Plan {
             return None;
         }
         let reach = match wanted {
-            Wanted::Changes => changes::reach(self.step_s),
+            Wanted::Changes => self.reach_of_changes_s(),
             _ => f64::NEG_INFINITY,
         };
         let near = |a: usize, b: usize| (t[b] - t[a]).abs() <= reach;
@@ -190,14 +200,13 @@ impl Plan {
         let after = (rows.end..t.len()).take_while(|row| near(rows.end - 1, *row));
         let around = rows.start - before.count()..rows.end + after.count();
         let mut motion = self.motion_in(t, q, dof, around.clone())?;
-        motion.jerks = vec![0.0; motion.gains.len()];
-        motion.snaps = motion.jerks.clone();
         if wanted == Wanted::Changes {
-            changes::find(&mut motion, &t[around.clone()], self.step_s);
+            self.find_changes(&mut motion, &t[around.clone()]);
         }
-        motion.narrow(rows.start - around.start..rows.end - around.start, dof);
+        let keep: Vec<bool> = around.map(|row| rows.contains(&row)).collect();
+        motion.keep(&keep);
         if wanted == Wanted::Smooth {
-            motion.smooth = Some(Smooth::of(self, (t, q), &motion, rows));
+            motion.smooth = Some(self.smooth(t, q, &motion, rows));
         }
         Some(motion)
     }
@@ -208,58 +217,156 @@ impl Plan {
         let moving = self.moving(&nodes);
         let stands = moving.is_none();
         let moving = moving.unwrap_or_else(|| vec![None; dof]);
-        let first = rows.start * dof;
+        let read = &q[rows.start * dof..];
         let parts = by_parts(rows, PART, |rows| {
             let mut motion = Motion::default();
-            let mut positions = PositionNoise::new(dof, nodes.rows);
-            let mut row = rows.start;
-            for own in nodes.of_row[rows].chunk_by(|a, b| a == b) {
-                let node = own[0];
+            for (node, rows) in nodes.with_rows(rows) {
                 let (fit, known) = self.local(&nodes, node);
                 // Order 4 bends no position, where order 3 is enough for accelerations.
                 let higher = (known && fit.is_some() && self.terms == LOW)
                     .then(|| Polynomials::fit(&nodes, node, nodes.around(node), HIGH));
                 let higher = higher.flatten();
-                for row in row..row + own.len() {
+                let fit = fit.as_ref();
+                let place = higher.as_ref().or(fit).filter(|_| known);
+                // The polynomial at a node has this part of its own noise, and so much of a row's.
+                let own = place.map_or(1.0, |place| place.own.clamp(f64::MIN_POSITIVE, 1.0));
+                let of_reading = place.map_or(0.0, |_| (own / nodes.rows as f64).sqrt());
+                let correlation = |fit: &Polynomials| (fit.with_own / own.sqrt()).clamp(-1.0, 1.0);
+                let with_positions = fit.map_or(0.0, correlation);
+                for row in rows {
                     let after = t[row] - nodes.t[node];
-                    let read = &q[row * dof..(row + 1) * dof];
-                    let at = |joint: usize| nodes.position(node, joint);
-                    let fit = fit.as_ref();
-                    let place = higher.as_ref().or(fit).filter(|_| known);
-                    let own = (fit, place, after);
-                    self.push(&mut motion, own, (read, &at), &moving, nodes.rows);
-                    motion.known.push(known);
-                    if let Some(place) = place {
-                        positions.add(place, after, read, at);
+                    for joint in 0..dof {
+                        let position = place.map_or(q[row * dof + joint], |place| {
+                            nodes.position(node, joint) + place.position(joint, after)
+                        });
+                        // Joints that do not move stand.
+                        let known = fit.zip(moving[joint]);
+                        let [rate, gain, std] = known.map_or([0.0; 3], |(fit, variance)| {
+                            let gain = fit.gain(joint, after) * self.unbend[joint];
+                            let std = fit.gain_std(joint, variance) * self.unbend[joint];
+                            [fit.rate(joint, after), gain, std]
+                        });
+                        let here = [
+                            position,
+                            rate,
+                            gain,
+                            std,
+                            of_reading,
+                            with_positions,
+                            0.0,
+                            0.0,
+                        ];
+                        let columns = motion.columns().into_iter();
+                        columns.zip(here).for_each(|(column, x)| column.push(x));
                     }
+                    motion.known.push(known);
                 }
-                row += own.len();
             }
-            (motion, positions)
+            motion
         });
         let mut motion = Motion::default();
-        let mut positions = PositionNoise::new(dof, nodes.rows);
-        for (own, noise) in parts {
+        for own in parts {
             let rows = own.known.len();
             motion.extend(Some(own), rows, dof);
-            positions.merge(&noise);
         }
-        let jumps = |std: f64| std > NOISIEST;
-        if stands && positions.of_joints().any(jumps) {
-            return None;
+        for joint in 0..dof {
+            let all = (joint..motion.positions.len()).step_by(dof);
+            let (mut square, mut count) = (0.0, 0.0_f64);
+            // What rows leave of the polynomials, over what a fit leaves of noise of variance one.
+            for k in all.clone().filter(|k| motion.positions_std[*k] > 0.0) {
+                let left = (1.0 - motion.positions_std[k].powi(2)).max(LEAST_LEFT);
+                square += (read[k] - motion.positions[k]).powi(2) / left;
+                count += 1.0;
+            }
+            let of_reading = (square / count.max(1.0)).sqrt();
+            let jumps = of_reading > NOISIEST;
+            if stands && jumps {
+                return None;
+            }
+            for k in all {
+                motion.positions_std[k] *= of_reading;
+                if jumps {
+                    (motion.positions[k], motion.positions_std[k]) = (read[k], 0.0);
+                }
+            }
         }
         if stands {
             motion.known.fill(true);
         }
-        let known = motion.positions.iter_mut().zip(&mut motion.positions_std);
-        let known = known.zip(&q[first..]).zip(positions.of_joints().cycle());
-        for (((position, std), read), of_reading) in known {
-            *std *= of_reading;
-            if jumps(of_reading) {
-                (*position, *std) = (*read, 0.0);
+        Some(motion)
+    }
+
+    /// The motion of `rows` by longer windows; that which is `known` where those reach no further to
+    /// either side, and of joints that stand: their accelerations have no deviation.
+    fn smooth(&self, t: &[f64], q: &[f64], known: &Motion, rows: Range<usize>) -> [Vec<f64>; 3] {
+        let dof = known.dof();
+        let nodes = Nodes::of(t, q, dof, self.step_s, LONGER * self.half);
+        let first = rows.start;
+        let parts = by_parts(rows, PART, |rows| {
+            let mut smooth: [Vec<f64>; 3] = Default::default();
+            for (node, rows) in nodes.with_rows(rows) {
+                let around = nodes.around(node);
+                let fits = nodes.reaches(node, &around, self.half) && !nodes.are_still(&around);
+                let fit = fits.then(|| Polynomials::fit(&nodes, node, around, HIGH));
+                let fit = fit.flatten();
+                for (row, joint) in rows.flat_map(|row| (0..dof).map(move |joint| (row, joint))) {
+                    let (at, after) = ((row - first) * dof + joint, t[row] - nodes.t[node]);
+                    let here = match fit.as_ref().filter(|_| known.gains_std[at] > 0.0) {
+                        Some(fit) => [
+                            nodes.position(node, joint) + fit.position(joint, after),
+                            fit.rate(joint, after),
+                            fit.gain(joint, after),
+                        ],
+                        None => [q[row * dof + joint], known.rates[at], known.gains[at]],
+                    };
+                    smooth.iter_mut().zip(here).for_each(|(all, x)| all.push(x));
+                }
+            }
+            smooth
+        });
+        [0, 1, 2].map(|k| parts.iter().flat_map(|own| &own[k]).copied().collect())
+    }
+
+    /// How far a parabola through accelerations of rows reaches to either side, s; 0 where rows are
+    /// too far apart.
+    fn reach_of_changes_s(&self) -> f64 {
+        match self.step_s > 2.0 * REACH_S {
+            true => 0.0,
+            false => REACH_S.max(1.5 * self.step_s),
+        }
+    }
+
+    /// Find how accelerations change in rows at times `t`, by parabolas through those of the rows
+    /// around each row; left zero where a row has a neighbour of known motion on one side alone, and
+    /// where rows are too far apart.
+    ///
+    /// ```text
+    /// b, f: slopes to the first and to the last row, at −a and +c        |a|, |c| ≤ reach
+    /// d³q/dt³ = (c b + a f)/(a + c)        d⁴q/dt⁴ = 2 (f − b)/(a + c)
+    /// ```
+    fn find_changes(&self, motion: &mut Motion, t: &[f64]) {
+        let (dof, reach) = (motion.dof(), self.reach_of_changes_s());
+        let joins = |a: usize, b: usize| t[b] > t[a] && t[b] - t[a] <= GAP * self.step_s;
+        for k in 0..t.len() {
+            let near = |row: usize| motion.known[row] && (t[row] - t[k]).abs() <= reach;
+            let (mut first, mut last) = (k, k);
+            while first > 0 && joins(first - 1, first) && near(first - 1) {
+                first -= 1;
+            }
+            while last + 1 < t.len() && joins(last, last + 1) && near(last + 1) {
+                last += 1;
+            }
+            if first == k || last == k || !motion.known[k] {
+                continue;
+            }
+            let (a, c) = (t[k] - t[first], t[last] - t[k]);
+            for joint in 0..dof {
+                let at = |row: usize| motion.gains[row * dof + joint];
+                let (back, forth) = ((at(k) - at(first)) / a, (at(last) - at(k)) / c);
+                motion.jerks[k * dof + joint] = (c * back + a * forth) / (a + c);
+                motion.snaps[k * dof + joint] = 2.0 * (forth - back) / (a + c);
             }
         }
-        Some(motion)
     }
 
     /// The variance of nodes of each joint that moves by more than noise shows, `None` of the
@@ -300,37 +407,6 @@ impl Plan {
         let fit = Polynomials::fit(nodes, node, around, terms);
         let known = whole && fit.is_some();
         (fit, known)
-    }
-
-    /// The row `after` seconds from a node, which is the mean of so many `rows`; joints that are
-    /// not `moving` stand.
-    fn push(
-        &self,
-        motion: &mut Motion,
-        (fit, place, after): (Option<&Polynomials>, Option<&Polynomials>, f64),
-        (read, node): (&[f64], &dyn Fn(usize) -> f64),
-        moving: &[Option<f64>],
-        rows: usize,
-    ) {
-        // The polynomial at a node has this part of its own noise, and so much of a row's.
-        let own = place.map_or(1.0, |place| place.own.clamp(f64::MIN_POSITIVE, 1.0));
-        let with_positions = fit.map_or(0.0, |fit| (fit.with_own / own.sqrt()).clamp(-1.0, 1.0));
-        for (joint, (variance, unbend)) in moving.iter().zip(&self.unbend).enumerate() {
-            let known = fit.zip(*variance);
-            let [rate, gain, std] = known.map_or([0.0; 3], |(fit, variance)| {
-                let gain = fit.gain(joint, after) * unbend;
-                let std = fit.gain_std(joint, variance) * unbend;
-                [fit.rate(joint, after), gain, std]
-            });
-            let position = place.map(|place| node(joint) + place.position(joint, after));
-            motion.positions.push(position.unwrap_or(read[joint]));
-            motion.rates.push(rate);
-            motion.gains.push(gain);
-            motion.gains_std.push(std);
-            let of_reading = place.map_or(0.0, |_| (own / rows as f64).sqrt());
-            motion.positions_std.push(of_reading);
-            motion.with_positions.push(with_positions);
-        }
     }
 }
 
@@ -410,49 +486,6 @@ impl Survey {
     }
 }
 
-/// What rows leave of the polynomials of their windows.
-struct PositionNoise {
-    /// Rows averaged to a node.
-    rows: f64,
-    /// Σ e² of each joint, over what a fit leaves of noise of variance one.
-    squares: Vec<f64>,
-    count: f64,
-}
-
-impl PositionNoise {
-    fn new(dof: usize, rows: usize) -> PositionNoise {
-        PositionNoise {
-            rows: rows as f64,
-            squares: vec![0.0; dof],
-            count: 0.0,
-        }
-    }
-
-    /// Row `q`, `after` seconds from a node at `origin`.
-    fn add(&mut self, fit: &Polynomials, after: f64, q: &[f64], origin: impl Fn(usize) -> f64) {
-        let left = (1.0 - fit.own / self.rows).max(LEAST_LEFT);
-        for (joint, square) in self.squares.iter_mut().enumerate() {
-            let off = q[joint] - origin(joint) - fit.position(joint, after);
-            *square += off * off / left;
-        }
-        self.count += 1.0;
-    }
-
-    /// Add what other rows show.
-    fn merge(&mut self, other: &PositionNoise) {
-        for (sum, more) in self.squares.iter_mut().zip(&other.squares) {
-            *sum += more;
-        }
-        self.count += other.count;
-    }
-
-    /// Standard deviation of a reading of each joint.
-    fn of_joints(&self) -> impl Iterator<Item = f64> + Clone {
-        let count = self.count.max(1.0);
-        self.squares.iter().map(move |sum| (sum / count).sqrt())
-    }
-}
-
 impl Motion {
     /// Leave out rows of `block` whose motion is not known; gives back how many.
     pub fn leave_out_unknown(&mut self, block: &mut Block) -> u64 {
@@ -468,23 +501,13 @@ impl Motion {
     /// Leave out the rows that are false in `keep`.
     pub fn keep(&mut self, keep: &[bool]) {
         let dof = self.dof();
-        for all in self.columns() {
+        for all in self.smooth.iter_mut().flatten() {
             keep_some(all, dof, keep);
         }
-        for all in self.smooth.iter_mut().flat_map(Smooth::columns) {
+        for all in self.columns() {
             keep_some(all, dof, keep);
         }
         keep_some(&mut self.known, 1, keep);
-    }
-
-    /// Keep some rows in line, before what is smooth is known.
-    fn narrow(&mut self, rows: Range<usize>, dof: usize) {
-        for all in self.columns() {
-            all.truncate(rows.end * dof);
-            all.drain(..rows.start * dof);
-        }
-        self.known.truncate(rows.end);
-        self.known.drain(..rows.start);
     }
 
     /// Add rows; those of a log that stands where there is none, whose positions are those that were read.
@@ -507,8 +530,8 @@ impl Motion {
         }
     }
 
-    /// What is known of each row and joint.
-    fn columns(&mut self) -> [&mut Vec<f64>; 8] {
+    /// What is known of each row and joint, positions first.
+    pub fn columns(&mut self) -> [&mut Vec<f64>; 8] {
         [
             &mut self.positions,
             &mut self.rates,

@@ -3,6 +3,7 @@
 use std::array;
 use std::ops::Range;
 
+use nalgebra::DMatrix;
 use sesc_runtime::{F64x8, Simd};
 
 use super::windows::Nodes;
@@ -123,41 +124,15 @@ impl Polynomials {
     }
 }
 
-/// The inverse of the leading block of a positive definite matrix of `moments`, by L D Lᵀ; none
-/// of another.
+/// The inverse of the leading block of a positive definite matrix of `moments`; none of another.
 fn inverse(moments: &[f64; 2 * HIGH - 1], terms: usize) -> Option<[[f64; HIGH]; HIGH]> {
+    let factor = DMatrix::from_fn(terms, terms, |a, b| moments[a + b]).cholesky()?;
     let least = SINGULAR * terms as f64;
-    let (mut lower, mut pivots) = ([[0.0; HIGH]; HIGH], [1.0; HIGH]);
-    for column in 0..terms {
-        let own: [f64; HIGH] = array::from_fn(|k| lower[column][k] * pivots[k]);
-        let rest = |row: &[f64; HIGH], moment: f64| {
-            let done = row.iter().zip(&own).take(column);
-            moment - done.map(|(x, own)| x * own).sum::<f64>()
-        };
-        let pivot = rest(&lower[column], moments[2 * column]);
-        if pivot.is_nan() || pivot <= least {
-            return None;
-        }
-        pivots[column] = pivot;
-        for row in column + 1..terms {
-            lower[row][column] = rest(&lower[row], moments[row + column]) / pivot;
-        }
-    }
-    // L⁻¹ column by column; its diagonal is one.
-    let over: [[f64; HIGH]; HIGH] = array::from_fn(|column| {
-        let mut own = [0.0; HIGH];
-        own[column] = 1.0;
-        for row in column + 1..terms {
-            let between = column..row;
-            own[row] = -between.map(|k| lower[row][k] * own[k]).sum::<f64>();
-        }
-        own
-    });
-    let entry = |a: usize, b: usize| -> f64 {
-        let common = a.max(b)..terms;
-        common.map(|k| over[a][k] * over[b][k] / pivots[k]).sum()
-    };
-    Some(array::from_fn(|a| array::from_fn(|b| entry(a, b))))
+    let pivots = factor.l_dirty().diagonal().map(|root| root * root);
+    let inverse = factor.inverse();
+    let entry = |a: usize, b: usize| inverse.get((a, b)).copied().unwrap_or_default();
+    let entries = || array::from_fn(|a| array::from_fn(|b| entry(a, b)));
+    pivots.iter().all(|pivot| *pivot > least).then(entries)
 }
 
 #[cfg(test)]

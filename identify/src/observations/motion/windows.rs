@@ -82,6 +82,16 @@ impl Nodes {
         nodes
     }
 
+    /// The nodes of some rows in line, each with those that are its own.
+    pub fn with_rows(&self, rows: Range<usize>) -> impl Iterator<Item = (usize, Range<usize>)> {
+        let mut end = rows.start;
+        let nodes = self.of_row[rows].chunk_by(|a, b| a == b);
+        nodes.map(move |own| {
+            end += own.len();
+            (own[0], end - own.len()..end)
+        })
+    }
+
     /// Positions of a node, in blocks.
     pub fn blocks(&self, nodes: Range<usize>) -> &[F64x8] {
         &self.q[nodes.start * self.width..nodes.end * self.width]

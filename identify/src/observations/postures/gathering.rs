@@ -1,14 +1,12 @@
 //! Rows of a log gathered into postures: sums per posture, in bounded memory.
 
-use super::super::grouping::{Grouping, Stance};
+use super::super::grouping::Grouping;
 use super::super::motion::Motion;
-use super::super::repeats::{Group, Repeats};
+use super::super::repeats::Repeats;
 use super::super::rows::{CopRows, tilt};
 use super::super::stays::Stays;
 use nalgebra::DVector;
 use sesc_model::Model;
-
-use std::convert::Infallible;
 
 /// Postures that a diagnosis looks at, up to twice this; evenly chosen of more.
 pub const MOST: usize = 2000;
@@ -31,8 +29,8 @@ pub(super) struct Posture {
     pub(super) sides: Vec<f64>,
 }
 
-/// Sums of velocities, accelerations, their variances, those of positions, and of the first and
-/// second derivative of accelerations over rows that know them; empty where joints stand.
+/// Sums of what is known of a motion beside positions, variances in the place of deviations, over
+/// rows that know it; empty where joints stand.
 #[derive(Clone, Default)]
 pub(super) struct Motions {
     pub(super) rows: f64,
@@ -59,9 +57,9 @@ impl Motions {
                 of(&motion.gains),
                 variances(&motion.gains_std),
                 variances(&motion.positions_std),
+                of(&motion.with_positions),
                 of(&motion.jerks),
                 of(&motion.snaps),
-                of(&motion.with_positions),
             ],
         }
     }
@@ -109,8 +107,8 @@ pub(super) struct Gathering {
     /// Postures number 0, `stride`, 2 `stride`, ….
     pub(super) kept: Vec<Posture>,
     stride: usize,
-    /// The number of each posture and its readings, for rows that come back to it.
-    pub(super) known: Grouping<(Option<usize>, Group)>,
+    /// Postures that rows may come back to.
+    pub(super) known: Grouping,
     pub(super) repeats: Repeats,
     pub(super) stays: Stays,
     /// The first posture that each is a visit of; empty where all were reached under one number.
@@ -130,10 +128,7 @@ impl Gathering {
     pub(super) fn new(any_unit: bool) -> Gathering {
         Gathering {
             stride: 1,
-            known: match any_unit {
-                true => Grouping::of_any_unit(),
-                false => Grouping::default(),
-            },
+            known: Grouping::of_any_unit(any_unit),
             rising: true,
             span: (f64::INFINITY, f64::NEG_INFINITY),
             ..Gathering::default()
@@ -142,20 +137,17 @@ impl Gathering {
 
     /// A row with gravity along `gravity` and its deviation (1 where none is stated), m.
     pub(super) fn push(&mut self, row: Posture, gravity: [f64; 3], std: [f64; 2]) {
-        let next = self.seen + usize::from(self.current.is_some());
         self.span = (self.span.0.min(row.t), self.span.1.max(row.t));
-        let (posture, _) = self.known.of_row((row.pose, ""), &row.q, gravity);
-        let visit = posture.visits;
-        let (number, group) = &mut posture.own;
-        self.repeats.push(group, visit, row.sum, std);
-        let number = *number.get_or_insert(next);
+        let posture = self.known.of_row((row.pose, ""), &row.q, gravity);
+        let (number, visit) = (posture.number, posture.visits);
+        self.repeats.push(&mut posture.group, visit, row.sum, std);
         self.stays.push((number, visit), row.t, row.sum);
         if let Some(current) = self.current.as_mut().filter(|_| number == self.seen) {
             current.join(&row);
             return;
         }
         self.close();
-        if number == next {
+        if number == self.seen {
             self.current = Some(row);
         } else if number.is_multiple_of(self.stride) {
             // Back at an old posture: more readings of it.
@@ -184,19 +176,17 @@ impl Gathering {
 
     /// Take postures that were reached again under another number for visits of one.
     pub(super) fn join_reached_again(&mut self, model: &Model) {
-        fn readings((_, group): &(Option<usize>, Group)) -> &Group {
-            group
-        }
-        let predicted = |stances: &[Stance<'_>]| {
-            let q: Vec<f64> = stances.iter().flat_map(|at| at.q.clone()).collect();
-            let tilts: Vec<[f64; 2]> = stances.iter().map(|at| tilt(at.gravity)).collect();
-            let rows = CopRows::new(model).of(&q, stances.len(), Some(&tilts));
-            let cad = DVector::from_vec(model.cad_params());
-            Ok::<_, Infallible>((rows * cad).as_slice().to_vec())
+        let Some(first) = self.known.reached_again() else {
+            return;
         };
-        let repeats = &mut self.repeats;
-        let Ok(joined) = repeats.join_reached_again(&self.known, readings, predicted);
-        self.first_visits = joined.unwrap_or_default();
+        let stances = self.known.stances();
+        let tilts: Vec<_> = stances.gravity.iter().flatten().map(|g| tilt(*g)).collect();
+        let rows = CopRows::new(model).of(&stances.q, stances.len(), Some(&tilts));
+        let predicted = rows * DVector::from_vec(model.cad_params());
+        let group = |k| &self.known.posture(k).group;
+        self.repeats
+            .join_visits(&first, group, predicted.as_slice());
+        self.first_visits = first;
     }
 
     /// How the joints move in the postures that were kept.
@@ -204,24 +194,22 @@ impl Gathering {
         let mut motion = Motion::default();
         for posture in &self.kept {
             let own = &posture.moving;
-            let mean = |sum: &f64| sum / own.rows;
-            let still = own.sums[0].is_empty();
-            let of = |k: usize| own.sums[k].iter().map(mean);
-            let one = (!still).then(|| Motion {
-                positions: posture.mean(),
-                rates: of(0).collect(),
-                gains: of(1).collect(),
-                gains_std: of(2).map(f64::sqrt).collect(),
+            let moves = !own.sums[0].is_empty();
+            let one = moves.then(|| {
+                let mut one = Motion::default();
+                for (mean, sums) in one.columns().into_iter().skip(1).zip(&own.sums) {
+                    mean.extend(sums.iter().map(|sum| sum / own.rows));
+                }
+                one.positions = posture.mean();
+                one.gains_std.iter_mut().for_each(|std| *std = std.sqrt());
                 // Accelerations of neighbours are from the same window, positions are read anew.
-                positions_std: of(3).map(|mean| (mean / own.rows).sqrt()).collect(),
-                jerks: of(4).collect(),
-                snaps: of(5).collect(),
+                let positions = one.positions_std.iter_mut();
+                positions.for_each(|std| *std = (*std / own.rows).sqrt());
                 // Of the mean of the positions, whose noise is so much less.
-                with_positions: of(6)
-                    .map(|mean| (mean * own.rows.sqrt()).clamp(-1.0, 1.0))
-                    .collect(),
-                known: vec![!own.unknown],
-                smooth: None,
+                let with = one.with_positions.iter_mut();
+                with.for_each(|with| *with = (*with * own.rows.sqrt()).clamp(-1.0, 1.0));
+                one.known.push(!own.unknown);
+                one
             });
             motion.extend(one, 1, dof);
         }

@@ -71,7 +71,7 @@ fn recorded() -> Vec<u8> {
     file(&all)
 }
 
-fn read_by(path: &Path, stays: Stays) -> Result<(crate::logs::Block, Vec<Message>), Error> {
+fn read_by(path: &Path, stays: Stays) -> Result<(crate::logs::Block, Vec<crate::Message>), Error> {
     let options = Options {
         links: vec!["sole".into()],
         stays,
