@@ -113,27 +113,15 @@ pub fn verify(
         postures = decided.flatten().copied().collect();
     }
     let undecided = (drawn - postures.len()) / dof.max(1);
-    let count = match dof {
-        0 => 1,
-        _ => postures.len() / dof,
-    };
-    let mut left_out: f64 = 0.0;
-    let mut settled = true;
+    let count = postures.len().checked_div(dof).unwrap_or(1);
+    let (mut left_out, mut settled) = (0.0_f64, true);
     let reach = model.reach().max(model.extent()).max(LEAST_REACH_M);
     let joints = JointMotion::of(model);
     let functions = functions(model, bent.as_ref(), reach);
-    let mut worst: BTreeMap<String, f64> = BTreeMap::new();
-    let named = || {
-        functions
-            .iter()
-            .map(|function| (function.name.clone(), function))
-    };
+    let named = || functions.iter().map(|own| (own.name.clone(), own));
+    // A function without outputs (the Jacobian of a robot without joints) is right.
+    let mut worst: BTreeMap<String, f64> = named().map(|(name, _)| (name, 0.0)).collect();
     let bound: BTreeMap<String, f64> = named().map(|(name, own)| (name, own.bound)).collect();
-    // Rows are compared by the CoM that they give.
-    let unit = |function: Function| {
-        let unit = Some(function.error_unit()).filter(|unit| !unit.is_empty());
-        unit.unwrap_or("m")
-    };
     let blocks = blocks(&postures, count, dof);
     let compared = Compared {
         reference,
@@ -149,8 +137,9 @@ pub fn verify(
         let cost = postures * dof;
         for found in each(cost, some, |block| compared.differences(block)) {
             for ((name, _), error) in named().zip(found.worst) {
-                let entry = worst.entry(name).or_default();
-                *entry = entry.max(error);
+                worst
+                    .entry(name)
+                    .and_modify(|worst| *worst = worst.max(error));
             }
             left_out = left_out.max(found.left_out);
             settled &= found.settled;
@@ -158,17 +147,11 @@ pub fn verify(
         done += postures;
         tell(watch, "comparing", done as u64, count as u64)?;
     }
-    // A function without outputs (the Jacobian of a robot without joints) is right.
-    for name in bound.keys() {
-        worst.entry(name.clone()).or_default();
-    }
+    let beyond = named().filter(|(_, own)| !own.is_of_use);
     Ok(Verification {
         // Nothing compared is nothing verified.
         pass: count > 0 && settled && worst.iter().all(|(name, error)| holds(*error, bound[name])),
-        beyond_use: {
-            let beyond = named().filter(|(_, function)| !function.is_of_use);
-            beyond.map(|(name, _)| name).collect()
-        },
+        beyond_use: beyond.map(|(name, _)| name).collect(),
         widest_of_use: USEFUL * reach,
         samples: count,
         undecided,
@@ -179,6 +162,14 @@ pub fn verify(
             .collect(),
         bound,
     })
+}
+
+/// The unit of a function's error; rows are compared by the CoM that they give.
+fn unit(function: Function) -> &'static str {
+    match function.error_unit() {
+        "" => "m",
+        unit => unit,
+    }
 }
 
 /// Reach that a robot is taken to have at least, m.

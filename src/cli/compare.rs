@@ -15,12 +15,12 @@ use super::outputs::{Files, Kind};
 use super::steps::About;
 use super::{
     Bar, DiagnosisArguments, FeetArguments, Outcome, StandingArguments, StaysArguments,
-    command_line, message, outputs, print_found, print_json,
+    command_line, message, outputs, print_json, print_with_steps,
 };
 use crate::Error;
 use crate::report::compare::{page, text};
 use crate::report::fit::Unusable;
-use crate::report::next_steps::{self, WithSteps};
+use crate::report::next_steps;
 
 /// Say what changed between two model files, or two logs, and whether it is more than chance
 #[derive(Args)]
@@ -70,13 +70,10 @@ const OF_LOGS: &[&str] = &[
     "other-foot",
     "settle",
 ];
-/// Options of drawing the robot, beside.
-const OF_ROBOTS: &[&str] = &["no-snap", "xacro"];
-
 /// Endings of logs.
 const LOGS: [&str; 4] = ["csv", "gz", "parquet", "mcap"];
 
-pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Outcome {
     let both = [&arguments.before, &arguments.after];
     refuse_ignored(arguments, typed)?;
     Files::default()
@@ -88,66 +85,41 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
         .prints(arguments.json)
         .check_writable()?;
     let urdf = arguments.urdf.as_deref();
-    let robot = urdf
-        .map(|urdf| arguments.standing.robot(urdf))
-        .transpose()?;
-    let robot = robot.map(Arc::new);
-    let mut models = Vec::new();
-    for path in both {
-        match model(arguments, robot.as_ref(), path)? {
-            Some(model) => models.push(model),
-            None => return Ok(Outcome::Failed),
-        }
-    }
+    let robot = urdf.map(|urdf| arguments.standing.robot(urdf));
+    let robot = robot.transpose()?.map(Arc::new);
+    let Some(before) = model(arguments, robot.as_ref(), &arguments.before)? else {
+        return Ok(false);
+    };
+    let Some(after) = model(arguments, robot.as_ref(), &arguments.after)? else {
+        return Ok(false);
+    };
     if let Some(robot) = &robot {
-        check_robot(robot, &models)?;
+        // One of them at least is of this robot: the other may be of the URDF as it was before.
+        let (hash, file) = (&robot.description.hash, &robot.description.file);
+        let own = before.check_robot(hash, file);
+        own.or_else(|error| after.check_robot(hash, file).map_err(|_| error))?;
     }
-    let comparison = compare::compare(&models[0], &models[1])?;
+    let found = compare::compare(&before, &after)?;
     let names = both.map(|path| path.display().to_string());
+    let names = names.each_ref().map(String::as_str);
     let of_logs = is_log(&arguments.after);
-    let steps = next_steps::of_comparison(
-        &comparison,
-        names.each_ref().map(|name| &**name),
-        None,
-        of_logs,
-    );
+    let steps = next_steps::of_comparison(&found, names, None, of_logs);
     let about = About {
         urdf,
         ..About::default()
     };
-    let next_steps = &about.worded(&steps)[..];
+    let steps = &about.worded(&steps);
     if let Some(path) = &arguments.report {
         let standing = &arguments.standing;
-        let drawn = robot.map(|robot| standing.skeleton(&robot, &comparison.support, urdf));
-        let drawn = drawn.transpose()?;
-        let files = [&models[0], &models[1]];
-        let page = page(
-            &comparison,
-            files,
-            next_steps,
-            drawn.as_ref(),
-            &command_line(),
-        );
+        let drawn = robot.map(|robot| standing.skeleton(&robot, &found.support, urdf));
+        let (drawn, line) = (drawn.transpose()?, command_line());
+        let page = page(&found, [&before, &after], steps, drawn.as_ref(), &line);
         outputs::write(path, &page?)?;
     }
-    let found = &comparison;
-    let found = WithSteps { found, next_steps };
-    print_found(arguments.json, &found, false, || {
-        let text = text(&comparison, &models[0].file, &models[1].file);
-        format!("{text}\n{}", next_steps::text(next_steps))
+    print_with_steps(arguments.json, &found, steps, || {
+        text(&found, &before.file, &after.file)
     })?;
-    Ok(Outcome::Ok)
-}
-
-/// One of the models at least is of this robot: the other may be of the URDF as it was before.
-fn check_robot(robot: &Robot, models: &[ModelFile]) -> Result<(), Error> {
-    let (hash, file) = (&robot.description.hash, &robot.description.file);
-    let own = models.iter().map(|model| model.check_robot(hash, file));
-    let mut refused = own.filter_map(Result::err);
-    match (refused.next(), refused.next()) {
-        (Some(error), Some(_)) => Err(error.into()),
-        _ => Ok(()),
-    }
+    Ok(true)
 }
 
 fn is_log(path: &Path) -> bool {
@@ -160,12 +132,9 @@ fn refuse_ignored(arguments: &Arguments, typed: &ArgMatches) -> Result<(), Error
     if is_log(&arguments.before) || is_log(&arguments.after) {
         return Ok(());
     }
-    refuse(
-        typed,
-        OF_LOGS,
-        "is for logs, and two model files are compared, which hold what was identified; leave it \
-         out, or give the logs with --urdf",
-    )?;
+    let why = "is for logs, and two model files are compared, which hold what was identified; \
+               leave it out, or give the logs with --urdf";
+    refuse(typed, OF_LOGS, why)?;
     let lacks = match (&arguments.urdf, &arguments.report) {
         (Some(_), Some(_)) => return Ok(()),
         (None, _) => "is for the URDF, and none is given; leave it out, or add --urdf",
@@ -173,7 +142,7 @@ fn refuse_ignored(arguments: &Arguments, typed: &ArgMatches) -> Result<(), Error
             "is for the robot on the page, and none is written; leave it out, or add --report"
         }
     };
-    refuse(typed, OF_ROBOTS, lacks)
+    refuse(typed, &["no-snap", "xacro"], lacks)
 }
 
 /// The model that a file holds, or that the diagnosis of a log gives; none of a log that cannot
@@ -183,40 +152,32 @@ fn model(
     robot: Option<&Arc<Robot>>,
     path: &Path,
 ) -> Result<Option<ModelFile>, Error> {
-    let is_log = is_log(path);
-    let Some(robot) = robot.filter(|_| is_log) else {
-        return match is_log {
-            true => Err(Error::Usage(format!(
-                "{} is a log, not a model file: give its robot with --urdf, or the model file that \
-                 `sesc diagnose --out` writes of it",
-                path.display()
-            ))),
-            false => Ok(Some(ModelFile::read(path)?)),
-        };
+    if !is_log(path) {
+        return Ok(Some(ModelFile::read(path)?));
+    }
+    let log = path.display().to_string();
+    let Some(robot) = robot else {
+        return Err(Error::Usage(format!(
+            "{log} is a log, not a model file: give its robot with --urdf, or the model file that \
+             `sesc diagnose --out` writes of it"
+        )));
     };
-    let (robot, standing) = (Arc::clone(robot), &arguments.standing);
     let (feet, stays) = (&arguments.feet, &arguments.stays);
-    let how = &arguments.how;
-    let request = how.request(robot, LogSource::from(path), standing, feet, stays)?;
-    let report = diagnose(&request, &mut Bar::new("reading"))?;
+    let (how, standing, source) = (&arguments.how, &arguments.standing, LogSource::from(path));
+    let request = how.request(Arc::clone(robot), source, standing, feet, stays)?;
+    let mut report = diagnose(&request, &mut Bar::new("reading"))?;
     let found = &report.diagnosis;
     if found.verdict == Verdict::Unusable {
-        let log = path.display().to_string();
-        message(&format!(
-            "check failed: {log} cannot be used: {}",
-            found.sentence
-        ));
+        let sentence = &found.sentence;
+        message(&format!("check failed: {log} cannot be used: {sentence}"));
         if arguments.json {
             let next_steps = &About::default().worded(&found.next_steps());
-            let unusable = Unusable::new(&found.health, next_steps);
-            print_json(&Unusable {
-                log: Some(&log),
-                ..unusable
-            })?;
+            let mut unusable = Unusable::new(&found.health, next_steps);
+            unusable.log = Some(&log);
+            print_json(&unusable)?;
         }
         return Ok(None);
     }
-    let mut model = report.model_file;
-    model.file = path.display().to_string();
-    Ok(Some(model))
+    report.model_file.file = log;
+    Ok(Some(report.model_file))
 }

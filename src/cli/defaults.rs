@@ -11,8 +11,7 @@
 //! log names. The options that were taken from it are said in a note.
 
 use std::any::TypeId;
-use std::ffi::{OsStr, OsString};
-use std::fmt::Display;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use clap::parser::ValueSource;
@@ -94,10 +93,8 @@ impl Given {
 /// # Errors
 /// When one was typed.
 pub(super) fn refuse(words: &ArgMatches, options: &[&str], why: &str) -> Result<(), Error> {
-    let typed = |option: &&&str| {
-        let (id, own) = (option.replace('-', "_"), words.subcommand());
-        own.is_some_and(|(_, own)| own.try_contains_id(&id).is_ok() && is_typed(own, &id))
-    };
+    let own = words.subcommand().map(|(_, own)| own);
+    let typed = |option: &&&str| own.is_some_and(|own| is_typed(own, &option.replace('-', "_")));
     match options.iter().find(typed) {
         Some(option) => Err(Error::Usage(format!("--{option} {why}"))),
         None => Ok(()),
@@ -109,10 +106,10 @@ pub(super) fn refuse(words: &ArgMatches, options: &[&str], why: &str) -> Result<
 /// # Errors
 /// A file that cannot be used, with its name, the key and the remedy.
 pub(super) fn given(program: &Command, words: &ArgMatches) -> Result<Option<Given>, Error> {
-    let Some((name, matches)) = words.subcommand() else {
-        return Ok(None);
-    };
-    let (Some(command), Some(file)) = (program.find_subcommand(name), of_robot(matches)) else {
+    let command = words.subcommand().and_then(|(name, matches)| {
+        Some((program.find_subcommand(name)?, matches, of_robot(matches)?))
+    });
+    let Some((command, matches, file)) = command else {
         return Ok(None);
     };
     let Some((text, table)) = read(&file)? else {
@@ -139,9 +136,9 @@ pub(super) fn given(program: &Command, words: &ArgMatches) -> Result<Option<Give
         let wanted = own.is_some_and(|own| wanted(command, matches, own));
         options.extend(spelled.filter(|_| wanted).map(|option| (key, option)));
     }
-    let is_any = !options.is_empty();
-    Ok(is_any.then_some(Given {
-        command: name.to_string(),
+    let command = command.get_name().to_string();
+    Ok((!options.is_empty()).then_some(Given {
+        command,
         file,
         text,
         options,
@@ -164,10 +161,9 @@ fn of_robot(matches: &ArgMatches) -> Option<PathBuf> {
 
 /// Where the file of the robot of this URDF would be; none beside what is no URDF by its name.
 pub(super) fn beside(urdf: &Path) -> Option<PathBuf> {
-    let described = urdf.extension().and_then(OsStr::to_str);
-    let described =
-        described.is_some_and(|extension| ["urdf", "xacro", "xml"].contains(&extension));
-    described.then(|| urdf.with_file_name(FILE))
+    let extension = urdf.extension()?.to_str()?;
+    let is_described = ["urdf", "xacro", "xml"].contains(&extension);
+    is_described.then(|| urdf.with_file_name(FILE))
 }
 
 fn read(file: &Path) -> Result<Option<(String, toml::Table)>, Error> {
@@ -184,12 +180,12 @@ fn read(file: &Path) -> Result<Option<(String, toml::Table)>, Error> {
 
 /// What is wrong with a key of `text`, with its line.
 fn wrong(file: &Path, text: &str, key: &str, remedy: &str) -> Error {
+    let quotes = ['"', '\''];
     let is_key = |line: &str| {
-        let rest = line.trim_start().trim_start_matches(['"', '\'']);
-        let rest = rest
-            .strip_prefix(key)
-            .map(|rest| rest.trim_start_matches(['"', '\'']));
-        rest.is_some_and(|rest| rest.trim_start().starts_with('='))
+        let rest = line.trim_start().trim_start_matches(quotes);
+        let rest = rest.strip_prefix(key).unwrap_or_default();
+        let rest = rest.trim_start_matches(quotes);
+        rest.trim_start().starts_with('=')
     };
     let line = text.lines().position(is_key);
     let line = line.map(|k| k as u64 + 1);
@@ -205,25 +201,25 @@ fn fault(file: &Path, line: Option<u64>, reason: String) -> Error {
 fn spelled(value: &toml::Value, option: &Arg, folder: &Path) -> Result<Option<String>, String> {
     use toml::Value::{Boolean, Float, Integer, String};
     let name = option.get_long().unwrap_or_default();
-    let with = |value: &dyn Display| Ok(Some(format!("--{name}={value}")));
     let words = option.get_value_names().unwrap_or_default().first();
-    let words: Vec<&str> = words.map_or(Vec::new(), |words| words.split('|').collect());
+    let mut words = words.map_or("", |words| words.as_str()).split('|');
     let is_number = option.get_value_parser().type_id() == TypeId::of::<f64>();
-    match (option.get_action().takes_values(), value) {
-        (false, Boolean(on)) => Ok(on.then(|| format!("--{name}"))),
-        (false, _) => Err("give true or false".to_string()),
-        (true, Float(number)) if is_number => with(&format!("{number:?}")),
-        (true, Integer(number)) if is_number => with(number),
-        (true, _) if is_number => Err("give a number".to_string()),
-        (true, String(text)) if !words.contains(&"FILE") || words.contains(&text.as_str()) => {
-            with(text)
+    let value = match (option.get_action().takes_values(), value) {
+        (false, Boolean(on)) => return Ok(on.then(|| format!("--{name}"))),
+        (false, _) => return Err("give true or false".to_string()),
+        (true, Float(number)) if is_number => format!("{number:?}"),
+        (true, Integer(number)) if is_number => number.to_string(),
+        (true, _) if is_number => return Err("give a number".to_string()),
+        (true, String(text)) if words.clone().any(|own| own == text) => text.clone(),
+        (true, String(text)) if words.any(|own| own == "FILE") => {
+            let path = files::named_in(folder, text);
+            let path = path.map_err(|error| format!("{error}; type the option to read it"))?;
+            path.display().to_string()
         }
-        (true, String(text)) => match files::named_in(folder, text) {
-            Ok(path) => with(&path.display()),
-            Err(error) => Err(format!("{error}; type the option to read it")),
-        },
-        (true, _) => Err("give a text in quotes".to_string()),
-    }
+        (true, String(text)) => text.clone(),
+        (true, _) => return Err("give a text in quotes".to_string()),
+    };
+    Ok(Some(format!("--{name}={value}")))
 }
 
 /// Whether an option of the command has not been typed, and is of use.
@@ -234,7 +230,15 @@ fn wanted(command: &Command, matches: &ArgMatches, own: &Arg) -> bool {
         // Postures at rest have no motion.
         "motion" => command.get_name() != "simulate" || is_typed(matches, "rate"),
         // Rust takes angles alone.
-        "servos" => command.get_name() != "generate" || takes_ticks(matches),
+        "servos" => {
+            let mut lang = matches
+                .try_get_raw("lang")
+                .ok()
+                .flatten()
+                .into_iter()
+                .flatten();
+            command.get_name() != "generate" || lang.any(|lang| lang == "c")
+        }
         _ => true,
     };
     used && !is_typed(matches, id) && !contradicts(command, matches, own)
@@ -255,19 +259,10 @@ fn is_typed(matches: &ArgMatches, id: &str) -> bool {
     matches.value_source(id) == Some(ValueSource::CommandLine)
 }
 
-fn takes_ticks(matches: &ArgMatches) -> bool {
-    let lang = matches.try_get_raw("lang").ok().flatten();
-    lang.is_some_and(|mut lang| lang.any(|lang| lang == "c"))
-}
-
 /// Whether logs of the command name their own support links.
 fn logs_say_support(matches: &ArgMatches) -> bool {
-    let Ok(Some(mut logs)) = matches.try_get_raw("data") else {
-        return false;
-    };
-    logs.any(|log| match Sidecar::of(Path::new(log)) {
-        Ok((sidecar, _)) => sidecar.support.is_some(),
-        // The command itself complains about it.
-        Err(_) => true,
-    })
+    let logs = matches.try_get_raw("data").ok().flatten();
+    // The command itself complains about a sidecar with errors.
+    let says = |log| Sidecar::of(Path::new(log)).map_or(true, |(own, _)| own.support.is_some());
+    logs.into_iter().flatten().any(says)
 }

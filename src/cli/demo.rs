@@ -60,7 +60,7 @@ const SAMPLES: [(&str, &[&str]); 2] = [
     ("knee.csv", &["joint_offset:r_knee=3deg"]),
 ];
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments) -> Outcome {
     let files = Files::default().writes(Kind::Page, [&arguments.out]);
     files.check()?;
     if let Some(folder) = &arguments.keep {
@@ -70,10 +70,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let steps = [after(arguments.keep.as_deref())];
     let page = report::demo::page(&demo.report, &steps, &command_line())?;
     write_all_if_changed(&[(arguments.out.clone(), page)])?;
-    let page = arguments.out.display().to_string();
+    let pass = demo.first.verification.pass;
     let answer = Answer {
-        pass: demo.first.verification.pass,
-        page,
+        pass,
+        page: arguments.out.display().to_string(),
         report: &demo.report,
         next_steps: &steps,
     };
@@ -81,12 +81,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         let (text, next) = (text(&demo), next_steps::text(&steps));
         format!("{text}\nreport with figures: {}\n\n{next}", answer.page)
     })?;
-    if demo.first.verification.pass {
-        Ok(Outcome::Ok)
-    } else {
+    if !pass {
         message("check failed: generated functions and reference disagree");
-        Ok(Outcome::Failed)
     }
+    Ok(pass)
 }
 
 /// What to do after the demo: with what it kept, or to keep it.
@@ -118,18 +116,16 @@ fn after(kept: Option<&Path>) -> Worded {
 fn keep(folder: &Path) -> Result<(), Error> {
     let urdf = folder.join("op2.urdf");
     let logs = SAMPLES.map(|(name, _)| folder.join(name));
-    let other = std::fs::read(&urdf).is_ok_and(|text| text != OP2_URDF.as_bytes());
-    if other {
+    let name = urdf.display().to_string();
+    if std::fs::read(&urdf).is_ok_and(|text| text != OP2_URDF.as_bytes()) {
         return Err(Error::Usage(format!(
-            "{} is another file than would be written; give --keep another folder",
-            urdf.display()
+            "{name} is another file than would be written; give --keep another folder"
         )));
     }
     write_all_if_changed(&[(urdf.clone(), OP2_URDF.to_string())])?;
     let files = Files::default().reads_robots([&urdf]);
     let files = files.writes_logs(Kind::Readings, &logs);
     files.check_writable()?;
-    let mut written = vec![urdf.display().to_string()];
     let robot = Robot::parse(OP2_URDF, "op2.urdf")?;
     for ((_, effects), path) in SAMPLES.iter().zip(&logs) {
         let model = robot.model("r_sole", Snapping::default(), None)?;
@@ -138,9 +134,9 @@ fn keep(folder: &Path) -> Result<(), Error> {
         request.noise = NOISE_M;
         request.seed = 3;
         simulate::write(&request, path, &mut Bar::new("simulating"))?;
-        written.push(path.display().to_string());
     }
-    message(&format!("wrote {}", written.join(", ")));
+    let [clean, knee] = logs.each_ref().map(|path| path.display());
+    message(&format!("wrote {name}, {clean}, {knee}"));
     Ok(())
 }
 
@@ -154,23 +150,19 @@ fn text(demo: &Demo) -> String {
          {samples} postures\n\n",
         report.robot, report.support, report.dof
     );
-    let mut functions = Table::new(&[
+    let titles = [
         "function",
         "mul",
         "add",
         "sin_cos",
         "worst error, m",
         "allowed, m",
-    ]);
+    ];
+    let mut functions = Table::new(&titles);
     for row in &report.functions {
-        functions.row(&[
-            row.name.clone(),
-            row.mul.to_string(),
-            row.add.to_string(),
-            row.sin_cos.to_string(),
-            format!("{:.1e}", row.worst_error_m),
-            format!("{:.1e}", row.bound_m),
-        ]);
+        let [mul, add, sin_cos] = [row.mul, row.add, row.sin_cos].map(|count| count.to_string());
+        let [worst, bound] = [row.worst_error_m, row.bound_m].map(|x| format!("{x:.1e}"));
+        functions.row(&[&row.name, &mul, &add, &sin_cos, &worst, &bound]);
     }
     let ([full_rank, rank], condition) = (first.ranks, first.condition_number);
     let _ = writeln!(
@@ -191,14 +183,9 @@ fn text(demo: &Demo) -> String {
         "not observable",
     ]);
     for row in &report.lengths {
-        lengths.row(&[
-            row.body.clone(),
-            mm(row.cad_m),
-            mm(row.full_m),
-            mm(row.base_cad_m),
-            mm(row.base_m),
-            row.unseen.clone(),
-        ]);
+        let [cad, full] = [row.cad_m, row.full_m].map(mm);
+        let [base_cad, base] = [row.base_cad_m, row.base_m].map(mm);
+        lengths.row(&[&row.body, &cad, &full, &base_cad, &base, &row.unseen]);
     }
     let errors = &report.errors;
     let _ = writeln!(

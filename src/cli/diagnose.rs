@@ -9,8 +9,8 @@ use super::outputs::{Files, Kind, Together};
 use super::steps::About;
 use super::{
     Bar, DiagnosisArguments, FeetArguments, OffsetArguments, Outcome, RobotArguments,
-    StaysArguments, check_mass, command_line, message, not_written, notes, outputs, print_found,
-    steps,
+    StaysArguments, check_mass, command_line, judged, message, not_written, notes, outputs,
+    print_found, steps,
 };
 use crate::Error;
 use crate::report::diagnose::{DiagnoseReport, ModelUse, page, text};
@@ -27,9 +27,6 @@ const EXAMPLES: &str = "Examples:\n  \
     sesc diagnose op2.urdf --data log.csv --then next_log.csv\n  \
     sesc diagnose op2.urdf --data log.csv --healthy before.csv\n  \
     sesc diagnose op2.urdf --data log.csv --prior cad --json";
-
-/// What `--fail-above` judges: a robot whose gap an effect explains still is not as simulated.
-const UNCORRECTED: &str = "the error of the uncorrected model";
 
 /// Find where simulation and measurement disagree, and name the missing effect
 #[derive(Args)]
@@ -97,8 +94,7 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
+pub(super) fn run(arguments: &Arguments) -> Outcome {
     if arguments.next.as_deref().is_some_and(outputs::is_standard) {
         let sentence = "--next -: the postures have a sidecar; give a file (`./-` is one)";
         return Err(Error::Usage(sentence.to_string()));
@@ -120,10 +116,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let bar = &mut Bar::new("reading");
     let request = request(arguments)?;
     let report = diagnose::diagnose(&request, bar)?;
+    let found = &report.diagnosis;
     bar.clear();
     notes(&report.notes);
-    let usable = report.diagnosis.verdict != Verdict::Unusable;
-    let steps = report.diagnosis.next_steps();
+    let usable = found.verdict != Verdict::Unusable;
+    let steps = found.next_steps();
     // Who asked for a file needs no such step.
     let steps = steps.iter().filter(|step| match step {
         NextStep::KeepModel => arguments.out.is_none(),
@@ -136,7 +133,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         support: request.support.as_deref(),
     };
     let printed = DiagnoseReport {
-        found: &report.diagnosis,
+        found,
         next_steps: &about.worded(steps),
         model_use: model_use(arguments, &report),
     };
@@ -144,34 +141,33 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         write(arguments, &report, &printed)?;
     } else {
         let named = [&arguments.out, &arguments.corrected, &arguments.next];
-        for path in named.into_iter().flatten() {
-            not_written(path);
-        }
+        named
+            .into_iter()
+            .flatten()
+            .for_each(|path| not_written(path));
         if let Some(path) = &arguments.report {
             let RobotArguments { urdf, standing } = &arguments.robot;
-            let support = &report.diagnosis.support;
-            let drawn = standing.skeleton(&request.robot, support, Some(urdf))?;
-            let (found, line) = (&report.diagnosis, command_line());
+            let drawn = standing.skeleton(&request.robot, &found.support, Some(urdf))?;
+            let line = command_line();
             let page = unusable::page(
                 &Origin::of_diagnosis(found, &report.model_file, &line),
                 &found.support,
                 (&found.samples, found.postures as u64),
                 &found.health,
                 printed.next_steps,
-                Some(&drawn),
+                &drawn,
             );
             outputs::write(path, &page?)?;
         }
     }
+    let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
     print_found(arguments.json, &printed, streamed, || {
         text(&printed, arguments.long)
     })?;
-    let found = &report.diagnosis;
     let (error, floor) = (found.baseline.rmse, found.noise_floor);
-    Ok(match usable {
-        true => super::judged(UNCORRECTED, error, floor, arguments.fail_above),
-        false => Outcome::Failed,
-    })
+    // A robot whose gap an effect explains still is not as simulated.
+    let what = "the error of the uncorrected model";
+    Ok(usable && judged(what, error, floor, arguments.fail_above))
 }
 
 /// How the model file is used, where one is written to a path.
@@ -199,10 +195,8 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     let how = &arguments.how;
     let mut request = how.request(robot, log, standing, &arguments.feet, &arguments.stays)?;
     request.offset = arguments.shift.offset;
-    let then = arguments.then.iter().map(|path| outputs::log(path));
-    request.then = then.collect::<Result<_, _>>()?;
-    let healthy = arguments.healthy.iter().map(|path| outputs::log(path));
-    request.healthy = healthy.collect::<Result<_, _>>()?;
+    request.then = outputs::logs(&arguments.then)?;
+    request.healthy = outputs::logs(&arguments.healthy)?;
     request.meshes = arguments.robot.urdf.parent().map(Path::to_path_buf);
     request.next_file = arguments.next.clone();
     if let Some(file) = &arguments.servos {
@@ -248,10 +242,8 @@ fn write(
         files.add(path, &report.model_file.to_toml()?)?;
     }
     if let (Some(path), Some(corrected)) = (&arguments.corrected, &report.corrected_urdf) {
-        corrected
-            .left_out
-            .iter()
-            .for_each(|sentence| message(sentence));
+        let left_out = corrected.left_out.iter();
+        left_out.for_each(|sentence| message(sentence));
         files.add(path, &corrected.text)?;
     }
     if let (Some(path), Some(view)) = (&arguments.report, &report.view) {

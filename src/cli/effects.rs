@@ -70,26 +70,20 @@ struct NoEffect {
     page: &'static str,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments) -> Outcome {
     let mut effects = about(&Catalog::standard());
     let mut others = Vec::from(MODEL_PAGES.map(other));
     if let Some(name) = &arguments.name {
         let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
-        let known = || {
-            others
-                .iter()
-                .map(|own| own.name)
-                .chain(names.iter().copied())
-        };
-        if !known().any(|known| known == name) {
-            let meant = suggestion(name, known());
-            let names = names.join(", ");
-            return Err(Error::Usage(format!(
-                "no effect `{name}`; the effects are {names}{meant}"
-            )));
-        }
+        let known: Vec<&str> = others.iter().map(|own| own.name).collect();
         effects.retain(|effect| effect.name == name);
         others.retain(|other| other.name == name);
+        if effects.is_empty() && others.is_empty() {
+            let meant = suggestion(name, known.into_iter().chain(names.iter().copied()));
+            let names = names.join(", ");
+            let sentence = format!("no effect `{name}`; the effects are {names}{meant}");
+            return Err(Error::Usage(sentence));
+        }
     }
     if arguments.json {
         let sites = Site::ALL.map(|site| SiteAbout {
@@ -103,7 +97,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             sites,
             functions: functions(),
         })?;
-        return Ok(Outcome::Ok);
+        return Ok(true);
     }
     let page = match (&arguments.name, effects.first(), others.first()) {
         (Some(name), Some(effect), _) => {
@@ -113,7 +107,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         _ => table(&effects) + &own() + BESIDE,
     };
     show(&page)?;
-    Ok(Outcome::Ok)
+    Ok(true)
 }
 
 /// Sites and functions of effects of a user's own.
@@ -139,11 +133,10 @@ fn acts_on(effect: &EffectAbout) -> String {
         "1" => p.name.to_string(),
         unit => format!("{} ({unit})", p.name),
     });
-    let parameters = parameters.collect::<Vec<_>>().join(", ");
-    let parameters = if parameters.is_empty() {
-        "none"
-    } else {
-        &parameters
+    let parameters: Vec<String> = parameters.collect();
+    let parameters = match parameters.is_empty() {
+        true => "none".to_string(),
+        false => parameters.join(", "),
     };
     format!("Acts on: {target}. Parameters: {parameters}.\n")
 }
@@ -166,17 +159,14 @@ fn on_console(page: &str) -> String {
         let cells = line.strip_prefix('|').and_then(|row| row.strip_suffix('|'));
         let Some(cells) = cells else {
             out.extend(table.take().map(|table| table.to_string()));
-            out += line;
-            out.push('\n');
+            out.extend([line, "\n"]);
             continue;
         };
         let cells: Vec<&str> = cells.split('|').map(str::trim).collect();
         match &mut table {
             None => table = Some(Table::new(&cells)),
-            Some(_) if cells.iter().all(|cell| cell.chars().all(|c| c == '-')) => {}
-            Some(table) => {
-                table.row(&cells);
-            }
+            Some(_) if cells.iter().all(|cell| cell.trim_matches('-').is_empty()) => {}
+            Some(table) => drop(table.row(&cells)),
         }
     }
     out.extend(table.map(|table| table.to_string()));

@@ -11,18 +11,17 @@ use super::steps::About;
 use super::values::{DUPLICATES, LOSSES, number, one_of};
 use super::{
     Bar, FeetArguments, OffsetArguments, Outcome, ReadingArguments, StandingArguments,
-    StaysArguments, check_mass, command_line, message, not_written, notes, outputs, print_found,
-    print_json,
+    StaysArguments, check_mass, command_line, judged, message, not_written, notes, outputs,
+    print_found, print_json,
 };
 use crate::Error;
 use crate::report::fit::{self as report, FitReport, Shown, Unusable, page};
 use crate::report::origin::Origin;
 use crate::report::unusable;
 use sesc_identify::NextStep;
-use sesc_identify::fit::Loss;
 use sesc_identify::fit::part::Part;
 use sesc_identify::fit::prior::Prior;
-use sesc_identify::fit::{self, Duplicates, Request};
+use sesc_identify::fit::{self, Duplicates, Loss, Request};
 use sesc_identify::skeleton::Skeleton;
 
 const EXAMPLES: &str = "Examples:\n  \
@@ -111,42 +110,47 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-/// Options of reading logs; the fit itself refuses others beside factor files alone.
-const OF_LOGS: &[&str] = &["both-feet", "other-foot"];
-
 /// Options that nothing would come of are errors.
 fn refuse_ignored(arguments: &Arguments, typed: &ArgMatches) -> Result<(), Error> {
-    let of_parts = "is about factor files (.part), and none is";
     if !arguments.inputs.iter().any(|path| is_part(path)) {
-        let (options, lacks) = match (&arguments.unit, &arguments.partial) {
-            (Some(_), Some(_)) => (&[][..], ""),
-            (Some(_), None) => (
-                &["unit"][..],
-                "written or read; leave it out, or add --partial FILE",
-            ),
-            (None, _) => (
-                &["duplicates"][..],
-                "read; leave it out, or give those to combine",
-            ),
-        };
-        refuse(typed, options, &format!("{of_parts} {lacks}"))?;
+        let of_parts = "is about factor files (.part), and none is";
+        let unread = format!("{of_parts} read; leave it out, or give those to combine");
+        let unused = format!("{of_parts} written or read; leave it out, or add --partial FILE");
+        match (&arguments.unit, &arguments.partial) {
+            (Some(_), Some(_)) => {}
+            (Some(_), None) => refuse(typed, &["unit"], &unused)?,
+            (None, _) => refuse(typed, &["duplicates"], &unread)?,
+        }
     }
-    match arguments.data.is_empty() {
-        true => refuse(
-            typed,
-            OF_LOGS,
-            "is about reading logs, and none is given: factor files were gathered as their options \
-             said; leave it out, or add --data",
-        ),
-        false => Ok(()),
-    }
+    // The fit itself refuses others beside factor files alone.
+    let of_logs: &[_] = match arguments.data.is_empty() {
+        true => &["both-feet", "other-foot"],
+        false => &[],
+    };
+    let why = "is about reading logs, and none is given: factor files were gathered as their \
+               options said; leave it out, or add --data";
+    refuse(typed, of_logs, why)
 }
 
-pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Outcome {
     refuse_ignored(arguments, typed)?;
-    check_files(arguments)?;
+    let files = Files::default()
+        .reads_robots(&arguments.inputs)
+        .may_read(&arguments.reading.prior)
+        .reads_logs(&arguments.data)
+        .writes(Kind::Model, &arguments.out)
+        .writes(Kind::Part, &arguments.partial)
+        .writes(Kind::Urdf, &arguments.urdf)
+        .writes(Kind::Page, &arguments.report)
+        .prints(arguments.json);
+    files.check_writable()?;
     let request = request(arguments)?;
-    check_robots_of_parts(arguments, &request)?;
+    // The description that a factor file was made from is not written either.
+    let parts = request.parts.iter();
+    let robots = parts.map(|(_, part)| part.urdf_file.as_str());
+    files
+        .keeps(robots, "the robot of a factor file")
+        .check_writable()?;
     let bar = &mut Bar::new("reading");
     if let Some(path) = &arguments.partial {
         let part = fit::gather(&request, bar)?;
@@ -158,28 +162,25 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
                 let next_steps = &About::default().worded([&NextStep::Repair]);
                 print_json(&Unusable::new(part.health(), next_steps))?;
             }
-            return Ok(Outcome::Failed);
+            return Ok(false);
         }
         part.write(path)?;
+        let (part, postures) = (path.display().to_string(), part.postures());
+        message(&format!("wrote {part}: {postures} postures as factors"));
         if arguments.json {
-            let (part, postures) = (path.display().to_string(), part.postures());
             print_json(&Gathered { part, postures })?;
         }
-        message(&format!(
-            "wrote {}: {} postures as factors",
-            path.display(),
-            part.postures()
-        ));
-        return Ok(Outcome::Ok);
+        return Ok(true);
     }
     let urdf = request.robot.as_ref().and(arguments.inputs.first());
     let folder = urdf.and_then(|path| path.parent());
-    let found = fit::fit(&request, bar)?;
+    let report = fit::fit(&request, bar)?;
+    let found = &report.identification;
     let corrected = arguments.urdf.as_ref();
-    let corrected = corrected.map(|_| found.corrected_urdf(arguments.total_mass));
+    let corrected = corrected.map(|_| report.corrected_urdf(arguments.total_mass));
     let corrected = corrected.transpose()?;
     bar.clear();
-    notes(&found.notes);
+    notes(&report.notes);
     let about = About {
         urdf: urdf.map(PathBuf::as_path),
         log: match &arguments.data[..] {
@@ -188,63 +189,56 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
         },
         support: request.support.as_deref(),
     };
-    let next_steps = &about.worded(&found.identification.next_steps())[..];
-    let text = || report::text(&found.identification, next_steps, arguments.long);
-    if !found.identification.is_usable() {
+    let next_steps = &about.worded(&found.next_steps())[..];
+    let text = || report::text(found, next_steps, arguments.long);
+    if !found.is_usable() {
         let named = arguments.out.iter().chain(&arguments.urdf);
         named.for_each(|path| not_written(path));
         if let Some(path) = &arguments.report {
-            let drawn = Skeleton::of(&found.model, &found.robot.description, folder);
-            let (found, line) = (&found.identification, command_line());
-            let (origin, data) = (
-                Origin::of_fit(found, &line),
-                (&found.samples, found.postures),
-            );
+            let drawn = Skeleton::of(&report.model, &report.robot.description, folder);
+            let line = command_line();
             let page = unusable::page(
-                &origin,
+                &Origin::of_fit(found, &line),
                 &found.support,
-                data,
+                (&found.samples, found.postures),
                 &found.health,
                 next_steps,
-                Some(&drawn),
+                &drawn,
             );
             outputs::write(path, &page?)?;
         }
-        let unusable = Unusable::new(&found.identification.health, next_steps);
+        let unusable = Unusable::new(&found.health, next_steps);
         print_found(arguments.json, &unusable, false, text)?;
-        return Ok(Outcome::Failed);
+        return Ok(false);
     }
     let mut files = Together::default();
     if let Some(path) = &arguments.out {
-        files.add(path, &found.model_file.to_toml()?)?;
+        files.add(path, &report.model_file.to_toml()?)?;
     }
     let shown = arguments.report.as_ref();
-    let shown = shown.map(|_| Shown::of(&found, found.residuals.clone(), command_line(), folder));
-    let report = FitReport {
-        found: &found.identification,
+    let shown = shown.map(|_| Shown::of(&report, report.residuals.clone(), command_line(), folder));
+    let printed = FitReport {
+        found,
         next_steps,
         corrected: corrected.as_ref(),
         shown: shown.as_ref(),
     };
-    if let (Some(path), Some(corrected)) = (&arguments.urdf, report.corrected) {
+    if let (Some(path), Some(corrected)) = (&arguments.urdf, &corrected) {
         files.add(path, &corrected.text)?;
     }
     if let Some(path) = &arguments.report {
-        files.add(path, &page(&report)?)?;
+        files.add(path, &page(&printed)?)?;
     }
     files.finish()?;
     let streamed = arguments.out.as_deref().is_some_and(outputs::is_standard);
-    print_found(arguments.json, &report, streamed, || {
+    print_found(arguments.json, &printed, streamed, || {
         let corrected = corrected.iter();
         let corrected = corrected.map(|own| report::corrections(own, arguments.long));
         text() + &corrected.collect::<String>()
     })?;
-    let (error, floor) = (
-        found.identification.held_out_rmse,
-        found.identification.noise_floor,
-    );
+    let (error, floor) = (found.held_out_rmse, found.noise_floor);
     let what = "the held-out error of the fit";
-    Ok(super::judged(what, error, floor, arguments.fail_above))
+    Ok(judged(what, error, floor, arguments.fail_above))
 }
 
 /// What `--partial` prints as JSON.
@@ -275,16 +269,15 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     }
     let mut request = Request::default();
     for path in parts {
-        request
-            .parts
-            .push((path.display().to_string(), Part::read(path)?));
+        let part = (path.display().to_string(), Part::read(path)?);
+        request.parts.push(part);
     }
-    request.robot = match robots.first() {
-        Some(path) => Some(Arc::new(arguments.standing.robot(path)?)),
-        None => None,
-    };
-    let logs = arguments.data.iter().map(|path| outputs::log(path));
-    request.logs = logs.collect::<Result<_, _>>()?;
+    if let Some(path) = robots.first() {
+        let robot = arguments.standing.robot(path)?;
+        check_mass(arguments.total_mass, &robot)?;
+        request.robot = Some(Arc::new(robot));
+    }
+    request.logs = outputs::logs(&arguments.data)?;
     request.support = arguments.standing.support()?;
     request.snapping = arguments.standing.snapping();
     request.angles = arguments.reading.angles();
@@ -299,39 +292,7 @@ fn request(arguments: &Arguments) -> Result<Request, Error> {
     request.range = arguments.range.map(f64::to_radians);
     request.unit = arguments.unit.clone();
     request.duplicates = arguments.duplicates;
-    if let Some(robot) = &request.robot {
-        check_mass(arguments.total_mass, robot)?;
-    }
     request.physical = arguments.physical;
     request.residuals = arguments.report.is_some();
     Ok(request)
-}
-
-/// Nothing that is read is written, nothing is written twice, and every folder
-/// takes a file: before a long fit, not after it.
-fn check_files(arguments: &Arguments) -> Result<(), Error> {
-    let files = Files::default()
-        .reads_robots(&arguments.inputs)
-        .may_read(&arguments.reading.prior)
-        .reads_logs(&arguments.data);
-    let files = writes(arguments, files);
-    files.prints(arguments.json).check_writable()
-}
-
-/// The description that a factor file was made from is not written either, though it is not read.
-fn check_robots_of_parts(arguments: &Arguments, request: &Request) -> Result<(), Error> {
-    let robots = request
-        .parts
-        .iter()
-        .map(|(_, part)| part.urdf_file.as_str());
-    let files = Files::default().keeps(robots, "the robot of a factor file");
-    writes(arguments, files).check_writable()
-}
-
-fn writes(arguments: &Arguments, files: Files) -> Files {
-    files
-        .writes(Kind::Model, &arguments.out)
-        .writes(Kind::Part, &arguments.partial)
-        .writes(Kind::Urdf, &arguments.urdf)
-        .writes(Kind::Page, &arguments.report)
 }

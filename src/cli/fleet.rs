@@ -96,17 +96,11 @@ fn threads(text: &str) -> Result<usize, String> {
     }
 }
 
-/// Options that nothing would come of are errors.
-fn refuse_ignored(arguments: &Arguments, typed: &ArgMatches) -> Result<(), Error> {
-    let why = "is for diagnoses, and --only parameters makes none; leave one of them out";
-    match arguments.only {
-        Some(_) => refuse(typed, &["floor"], why),
-        None => Ok(()),
+pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Outcome {
+    if arguments.only.is_some() {
+        let why = "is for diagnoses, and --only parameters makes none; leave one of them out";
+        refuse(typed, &["floor"], why)?;
     }
-}
-
-pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, Error> {
-    refuse_ignored(arguments, typed)?;
     let outputs = [&arguments.out].into_iter().chain(&arguments.report);
     let outputs = outputs.chain(&arguments.prior_out).map(PathBuf::as_path);
     let data = arguments.data.iter().map(Path::new);
@@ -119,11 +113,9 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
     let logs: Vec<PathBuf> = inputs.iter().flat_map(|input| input.logs.clone()).collect();
     let urdfs = inputs.iter().filter_map(|input| input.urdf.as_ref());
     let names: BTreeSet<&str> = inputs.iter().map(|input| input.robot.as_str()).collect();
-    let pages_of = |page: &PathBuf| -> Vec<PathBuf> {
-        let pages = names.iter().map(|robot| page_of_robot(page, robot));
-        pages.collect()
-    };
-    let of_robots: Vec<PathBuf> = arguments.report.iter().flat_map(pages_of).collect();
+    let of_robots = arguments.report.iter();
+    let of_robots = of_robots.flat_map(|page| names.iter().map(|robot| page_of_robot(page, robot)));
+    let of_robots: Vec<PathBuf> = of_robots.collect();
     Files::default()
         .reads_robots([&arguments.robot.urdf])
         .reads(urdfs)
@@ -144,11 +136,10 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
     let found = fleet::run(&request, bar)?;
     bar.clear();
     // What cannot be known is said before anything is written.
-    let mut population = None;
-    if arguments.prior_out.is_some() {
-        let known = fleet::population(&found.rows, &request.robot, &request.options)?;
-        population = Some(known);
-    }
+    let population = arguments.prior_out.as_ref();
+    let population =
+        population.map(|_| fleet::population(&found.rows, &request.robot, &request.options));
+    let population = population.transpose()?;
     fleet::write(&arguments.out, &found.rows)?;
     message(&format!("wrote {}", arguments.out.display()));
     if let (Some(path), Some(known)) = (&arguments.prior_out, &population) {
@@ -164,8 +155,7 @@ pub(super) fn run(arguments: &Arguments, typed: &ArgMatches) -> Result<Outcome, 
     print_found(arguments.json, &answer, false, || {
         text(&found, &summary, arguments.long)
     })?;
-    let any = found.rows.iter().any(Row::has_result);
-    Ok(if any { Outcome::Ok } else { Outcome::Failed })
+    Ok(found.rows.iter().any(Row::has_result))
 }
 
 /// The page of the fleet, and beside it a folder of its name with one for each robot, or for as
@@ -176,10 +166,9 @@ fn write_pages(
     summary: &Summary,
     drawn: Option<&Skeleton>,
 ) -> Result<(), Error> {
-    let failed = |error: minijinja::Error| Error::Report(Box::new(error));
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let command = super::command_line();
-    let pages = pages(found, summary, drawn, (&command, &name), robots).map_err(failed)?;
+    let pages = pages(found, summary, drawn, (&command, &name), robots)?;
     let folder = path.with_file_name(&pages.folder);
     std::fs::create_dir_all(&folder).map_err(|error| files::failed(&folder, error))?;
     for (robot, text) in &pages.robots {

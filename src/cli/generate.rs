@@ -11,11 +11,12 @@ use sesc_codegen::{Layout, Scalar, Servos};
 use sesc_identify::NextStep;
 use sesc_identify::files::write_all_if_changed;
 use sesc_model::effects::EncoderMap;
+use sesc_model::text::visible_lines;
 
 use super::outputs::{Files, Kind};
-use super::steps::About;
+use super::steps::{About, named};
 use super::values::{LAYOUTS, SCALARS, one_of};
-use super::{Outcome, RobotArguments, message, notes, outputs, print, print_found};
+use super::{Outcome, RobotArguments, message, notes, outputs, print_as_is, print_found};
 use crate::Error;
 use crate::report::next_steps::{self, Worded};
 
@@ -96,7 +97,7 @@ pub(super) struct Answer<'a> {
     /// What was noticed.
     notes: &'a [String],
     /// What to do next.
-    next_steps: Vec<Worded>,
+    next_steps: &'a [Worded],
 }
 
 #[derive(Serialize)]
@@ -180,13 +181,11 @@ enum Language {
     C,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments) -> Outcome {
     if outputs::is_standard(&arguments.out) {
-        return Err(Error::Usage(
-            "--out - is no folder, and source files do not go to standard output; name a folder \
-             (`./-` has that name)"
-                .into(),
-        ));
+        let sentence = "--out - is no folder, and source files do not go to standard output; name \
+                        a folder (`./-` has that name)";
+        return Err(Error::Usage(sentence.into()));
     }
     let reads = Files::default()
         .reads_robots([&arguments.robot.urdf])
@@ -204,58 +203,51 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         Language::C => sources::c99(&facts, name, &wanted_c(arguments)?)?,
     };
     notes(&written.notes);
-    let files: Vec<(PathBuf, String)> = written
-        .files
-        .into_iter()
+    let files = written.files.into_iter();
+    let files: Vec<(PathBuf, String)> = files
         .map(|(file, text)| (arguments.out.join(file), text))
         .collect();
-    reads
-        .writes(Kind::Source, files.iter().map(|(path, _)| path))
-        .check()?;
-    if let Some(file) = sources::of_another(&facts, files.iter().map(|(path, _)| path)) {
+    let paths = || files.iter().map(|(path, _)| path);
+    reads.writes(Kind::Source, paths()).check()?;
+    if let Some(file) = sources::of_another(&facts, paths()) {
         let file = file.display();
         let what = format!("{file} was generated for another robot or support");
-        match arguments.name {
-            None => {
-                return Err(Error::Usage(format!(
-                    "{what}; give this one a --name or --out"
-                )));
-            }
-            Some(_) => message(&format!("{what}, and is replaced")),
+        if arguments.name.is_none() {
+            let sentence = format!("{what}; give this one a --name or --out");
+            return Err(Error::Usage(sentence));
         }
+        message(&format!("{what}, and is replaced"));
     }
-    let changed = write_all_if_changed(&files)?;
-    let mut answer = Answer {
-        robot: &model.tree.robot,
-        support: model.support(),
-        files: Vec::new(),
-        effects: held(&facts),
-        encoder_zeros: encoder_zeros(&facts),
-        notes: &written.notes,
-        next_steps: Vec::new(),
-    };
-    for ((path, _), changed) in files.iter().zip(changed) {
+    let mut written_files = Vec::new();
+    for (path, changed) in paths().zip(write_all_if_changed(&files)?) {
         let file = path.display().to_string();
         if !changed {
             message(&format!("{file} is up to date"));
         }
         if !arguments.json {
-            print(&format!("{file}\n"))?;
+            print_as_is(&visible_lines(&format!("{file}\n")))?;
         }
-        answer.files.push(WrittenFile { file, changed });
+        written_files.push(WrittenFile { file, changed });
     }
-    let file = arguments.model.as_ref();
     let verify = NextStep::Verify {
         support: model.support().to_string(),
-        model: file.map(|file| file.display().to_string()),
+        model: named(&arguments.model),
         unsnapped: false,
     };
-    let about = About::new(&arguments.robot.urdf);
-    answer.next_steps = about.worded([&verify]);
+    let next_steps = &About::new(&arguments.robot.urdf).worded([&verify]);
+    let answer = Answer {
+        robot: &model.tree.robot,
+        support: model.support(),
+        files: written_files,
+        effects: held(&facts),
+        encoder_zeros: encoder_zeros(&facts),
+        notes: &written.notes,
+        next_steps,
+    };
     print_found(arguments.json, &answer, true, || {
-        next_steps::text(&answer.next_steps)
+        next_steps::text(next_steps)
     })?;
-    Ok(Outcome::Ok)
+    Ok(true)
 }
 
 /// Options of C are refused beside Rust.
@@ -292,15 +284,13 @@ fn check_rust(arguments: &Arguments) -> Result<(), Error> {
 
 fn wanted_c(arguments: &Arguments) -> Result<C99, Error> {
     if arguments.lanes.is_some() && arguments.scalar == Some(Scalar::Fixed32) {
-        return Err(Error::Usage(
-            "--lanes is for f64 and f32, fixed32 has one posture a call; leave one out".into(),
-        ));
+        let sentence = "--lanes is for f64 and f32, fixed32 has one posture a call; leave one out";
+        return Err(Error::Usage(sentence.into()));
     }
     let servos = match (&arguments.servos, arguments.ticks) {
         (Some(_), Some(false)) => {
-            return Err(Error::Usage(
-                "--servos sets what a tick is, --ticks false leaves ticks out; give one".into(),
-            ));
+            let sentence = "--servos sets what a tick is, --ticks false leaves ticks out; give one";
+            return Err(Error::Usage(sentence.into()));
         }
         (Some(file), _) => Some(Some(Servos::read(file)?)),
         (None, ticks) => ticks.map(|wanted| wanted.then(Servos::default)),

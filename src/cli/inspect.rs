@@ -6,15 +6,14 @@ use std::fmt::Write as _;
 use clap::Args;
 use sesc_codegen::emit::header::at_most;
 use sesc_identify::NextStep;
+use sesc_model::program::Counts;
 use sesc_model::text::listed;
 use sesc_model::tree::{Snap, snapped};
 use sesc_model::{Function, Interface};
 
 use super::steps::About;
-use super::{Outcome, RobotArguments, print_found};
-use crate::Error;
+use super::{Outcome, RobotArguments, message, notes, print_with_steps};
 use crate::inspect::{Inspection, RankCheck, inspect};
-use crate::report::next_steps::{self, WithSteps};
 use crate::report::table::{self, Table, gathered};
 
 /// Tree, chain, base parameters, what is unobservable, operation counts, snaps
@@ -34,36 +33,29 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments) -> Outcome {
     let stance = arguments.robot.stance(None)?;
     let model = stance.model()?;
-    let inspection = inspect(&model);
-    super::notes(&inspection.notes);
+    let found = inspect(&model);
+    notes(&found.notes);
     let support = model.support().to_string();
-    let about = About::new(&arguments.robot.urdf);
-    let next_steps = &about.worded([&NextStep::Plan { support }])[..];
-    let found = &inspection;
-    let found = WithSteps { found, next_steps };
-    print_found(arguments.json, &found, false, || {
-        let text = text(&inspection, arguments.long);
-        format!("{text}\n{}", next_steps::text(next_steps))
+    let steps = About::new(&arguments.robot.urdf).worded([&NextStep::Plan { support }]);
+    print_with_steps(arguments.json, &found, &steps, || {
+        text(&found, arguments.long)
     })?;
-    match inspection.rank_check {
-        RankCheck::Agrees => Ok(Outcome::Ok),
-        RankCheck::Undecided => {
-            super::message(
-                "note: the numeric ranks tell nothing: the pivots of the regressor shrink without \
-                 a gap, as where many mimic joints follow one; the counts by structure take as \
-                 dependent what differs by less than 1e-12",
-            );
-            Ok(Outcome::Ok)
-        }
+    match found.rank_check {
+        RankCheck::Agrees => {}
+        RankCheck::Undecided => message(
+            "note: the numeric ranks tell nothing: the pivots of the regressor shrink without a \
+             gap, as where many mimic joints follow one; the counts by structure take as dependent \
+             what differs by less than 1e-12",
+        ),
         // The structure says one rank, the numbers another: that must not pass quietly.
         RankCheck::Contradicts => {
-            super::message("check failed: the numeric rank contradicts the symbolic count");
-            Ok(Outcome::Failed)
+            message("check failed: the numeric rank contradicts the symbolic count");
         }
     }
+    Ok(found.rank_check != RankCheck::Contradicts)
 }
 
 fn text(i: &Inspection, long: bool) -> String {
@@ -78,18 +70,10 @@ fn text(i: &Inspection, long: bool) -> String {
     for body in &i.chain {
         let [x, y, z] = body.r.map(|x| 1e3 * x);
         let s = body.s.map(|s| format!("; s = {s:.4}")).unwrap_or_default();
-        chain.row(&[
-            body.body.clone(),
-            body.joint.clone().unwrap_or_default(),
-            body.parent.clone().unwrap_or_default(),
-            format!("{x:9.4} {y:9.4} {z:9.4}{s}"),
-            if long {
-                &body.orientation
-            } else {
-                &body.rotation
-            }
-            .clone(),
-        ]);
+        let r = format!("{x:9.4} {y:9.4} {z:9.4}{s}");
+        let [joint, parent] = [&body.joint, &body.parent].map(|x| x.as_deref().unwrap_or_default());
+        let rotations = [&body.rotation, &body.orientation];
+        chain.row(&[&body.body, joint, parent, &r, rotations[usize::from(long)]]);
     }
     let _ = writeln!(out, "{}", chain.listed(long));
     let mut parameters = Table::new(&["base parameter", "CAD", ""]);
@@ -98,11 +82,10 @@ fn text(i: &Inspection, long: bool) -> String {
             "m" => (format!("{:.4}", 1e3 * parameter.cad), "mm"),
             _ => (format!("{:.6}", parameter.cad), "of the mass"),
         };
-        parameters.row(&[parameter.name.clone(), value, unit.to_string()]);
+        parameters.row(&[&parameter.name, &value, unit]);
     }
-    let _ = writeln!(out, "{}", parameters.listed(long));
-    let _ = writeln!(out, "What no data can see:");
-    let _ = write!(out, "{}", unseen(i, long));
+    let _ = writeln!(out, "{}\nWhat no data can see:", parameters.listed(long));
+    out += &unseen(i, long);
     // Divisions, clamps and powers: a column of their own where an effect needs any.
     let effects = i.operations.values().any(|operations| operations.other > 0);
     let mut titles = vec!["function", "mul", "add", "sin_cos"];
@@ -113,12 +96,11 @@ fn text(i: &Inspection, long: bool) -> String {
     let functions = Function::ALL.iter().map(|function| function.interface());
     let functions: BTreeMap<&str, Interface> = functions.map(|f| (f.name, f)).collect();
     for (name, operations) in &i.operations {
-        let mut row = vec![
-            name.to_string(),
-            operations.mul.to_string(),
-            operations.add.to_string(),
-            operations.sin_cos.to_string(),
-        ];
+        let Counts {
+            mul, add, sin_cos, ..
+        } = operations;
+        let mut row = vec![name.to_string()];
+        row.extend([mul, add, sin_cos].map(usize::to_string));
         row.extend(effects.then(|| operations.other.to_string()));
         row.push(at_most(i.rounding_bound[name].f64));
         row.push(bound_of_use(i.rounding_bound[name].f32));
@@ -128,7 +110,7 @@ fn text(i: &Inspection, long: bool) -> String {
     }
     let _ = writeln!(out, "\n{costs}");
     if i.snaps.is_empty() {
-        let _ = writeln!(out, "No right angle was snapped.");
+        out += "No right angle was snapped.\n";
     }
     let snap = |snap: &Snap| {
         format!(
@@ -172,11 +154,8 @@ const USEFUL_BOUND: f64 = 1e-3;
 
 /// A rounding bound in two digits, if it is of use: intervals of a long chain multiply.
 fn bound_of_use(bound: f64) -> String {
-    if bound < USEFUL_BOUND {
-        at_most(bound)
-    } else {
-        "none".to_string()
-    }
+    let useful = (bound < USEFUL_BOUND).then(|| at_most(bound));
+    useful.unwrap_or("none".to_string())
 }
 
 /// Joints that a sentence names, at most.
@@ -187,25 +166,23 @@ const AXIS_OF: &str = "axis of ";
 /// What no data can see: what every revolute joint hides in one sentence, unless all are asked
 /// for.
 fn unseen(i: &Inspection, long: bool) -> String {
-    let mut out = String::new();
-    let (alike, others): (Vec<_>, Vec<_>) = i
-        .unobservable
-        .iter()
-        .partition(|own| !long && own.name.starts_with(AXIS_OF));
-    let joints = alike.iter().map(|own| own.name.trim_start_matches(AXIS_OF));
-    let joints: Vec<&str> = joints.collect();
-    if !joints.is_empty() {
-        let sentence = format!(
+    let mut joints = Vec::new();
+    let mut others = Vec::new();
+    for own in &i.unobservable {
+        match own.name.strip_prefix(AXIS_OF) {
+            Some(joint) if !long => joints.push(joint),
+            _ => others.push(own.sentence.clone()),
+        }
+    }
+    let wrapped = |sentence: &String| format!("  {}", table::wrapped(sentence, "    "));
+    let others: Vec<String> = gathered(&others, long).iter().map(wrapped).collect();
+    let alike = (!joints.is_empty()).then(|| {
+        wrapped(&format!(
             "along the axis of each of {} joints, r of the body that it moves goes to the body \
              that carries it (table above): rotation about that axis leaves it unchanged. {}",
             joints.len(),
             listed(&joints, JOINTS)
-        );
-        let _ = writeln!(out, "  {}", table::wrapped(&sentence, "    "));
-    }
-    let others = others.iter().map(|direction| direction.sentence.clone());
-    let others: Vec<String> = others.collect();
-    let wrapped = |sentence: String| format!("  {}", table::wrapped(&sentence, "    "));
-    let others: Vec<String> = gathered(&others, long).into_iter().map(wrapped).collect();
-    out + &table::listed(&others, long)
+        ))
+    });
+    alike.map_or(String::new(), |line| line + "\n") + &table::listed(&others, long)
 }

@@ -39,6 +39,7 @@ use sesc_model::text::{is_hidden, visible, visible_lines};
 use terminal::Bar;
 
 use crate::Error;
+use crate::report::next_steps::{self, WithSteps, Worded};
 use crate::report::table::{gathered, wrapped_at};
 use sesc_identify::logs::{COLUMNS, Need};
 use sesc_identify::robot::Robot;
@@ -73,12 +74,8 @@ enum Command {
     Man(shell::Manual),
 }
 
-/// What became of a command that ran.
-enum Outcome {
-    Ok,
-    /// A check failed (exit code 1).
-    Failed,
-}
+/// Whether every check of a command passed (exit code 1 if not), or why it did not run.
+type Outcome = Result<bool, Error>;
 
 /// Words of the command line that runs in this process, its name first.
 static WORDS: OnceLock<Vec<OsString>> = OnceLock::new();
@@ -92,7 +89,8 @@ pub fn main() -> ExitCode {
 /// nothing else; gives its exit code.
 pub fn main_from(words: Vec<OsString>) -> u8 {
     let words = WORDS.get_or_init(|| words);
-    let json = json_is_wanted(words);
+    let mut options = words.iter().skip(1).take_while(|word| *word != "--");
+    let json = options.any(|word| word == "--json");
     let mut program = Cli::command();
     let typed = &match program.try_get_matches_from_mut(words) {
         Ok(typed) => typed,
@@ -139,8 +137,7 @@ pub fn main_from(words: Vec<OsString>) -> u8 {
         Command::Man(arguments) => shell::manual(&arguments),
     };
     match outcome {
-        Ok(Outcome::Ok) => 0,
-        Ok(Outcome::Failed) => 1,
+        Ok(passed) => u8::from(!passed),
         // A reader that went away (`| head`) is no fault.
         Err(error) if outputs::is_closed(&error) => 0,
         Err(error) => failed(&error, given, json),
@@ -158,20 +155,17 @@ fn refused(mut error: clap::Error, given: Option<&defaults::Given>, json: bool) 
         error.remove(ContextKind::Suggested);
     }
     let rendered = error.render().to_string();
-    let besides = ["Usage:", "For more information"];
     let said = rendered.trim_start_matches("error: ").split("\n\n");
-    let said = said.filter(|own| {
-        !besides
-            .iter()
-            .any(|start| own.trim_start().starts_with(start))
-    });
+    let is_beside =
+        |own: &str| own.starts_with("Usage:") || own.starts_with("For more information");
+    let said = said.filter(|own| !is_beside(own.trim_start()));
     let said: Vec<&str> = said.map(str::trim_end).collect();
     let first = said.first().copied().unwrap_or_default();
     if let Some(error) = given.and_then(|given| given.blamed(first)) {
         return failed(&error, None, json);
     }
     if json {
-        print_error("usage", &said.join("\n\n"), None, None);
+        print_error(&Error::Usage(said.join("\n\n")));
     }
     error.exit()
 }
@@ -185,8 +179,7 @@ fn failed(error: &Error, given: Option<&defaults::Given>, json: bool) -> u8 {
         _ => error,
     };
     if json {
-        let message = [vec![error.to_string()], causes(error)].concat().join(": ");
-        print_error(error.kind(), &message, error.file(), error.line());
+        print_error(error);
     }
     complain(error);
     2
@@ -200,12 +193,6 @@ fn stay_silent_where_panics_become_errors() {
             usual(about);
         }
     }));
-}
-
-/// Whether the answer is read by a program.
-fn json_is_wanted(words: &[OsString]) -> bool {
-    let mut words = words.iter().skip(1).take_while(|word| *word != "--");
-    words.any(|word| word == "--json")
 }
 
 /// What programs are told where a command fails.
@@ -222,7 +209,7 @@ struct ErrorAbout<'a> {
     /// Kind of error; `usage`, `model`, `log`, `read`, `write` and others.
     kind: &'a str,
     /// The sentence, with its causes.
-    message: &'a str,
+    message: String,
     /// The file that it is about.
     file: Option<&'a str>,
     /// The line of that file, from 1.
@@ -230,12 +217,13 @@ struct ErrorAbout<'a> {
 }
 
 /// An error on stdout, for programs; stderr has the sentence, too.
-fn print_error(kind: &str, message: &str, file: Option<&str>, line: Option<u64>) {
+fn print_error(error: &Error) {
+    let message = [vec![error.to_string()], causes(error)].concat().join(": ");
     let error = ErrorAbout {
-        kind,
-        message: message.trim_start_matches("error: ").trim_end(),
-        file,
-        line,
+        kind: error.kind(),
+        message: message.trim_end().to_string(),
+        file: error.file(),
+        line: error.line(),
     };
     // If stdout is closed, nobody reads it.
     let _ = print_json(&Failure { error });
@@ -248,8 +236,9 @@ fn complain(error: &Error) {
         text.push_str(&format!("  caused by: {cause}\n"));
     }
     // A line break of a path begins no line.
-    let file = error.file().filter(|file| file.contains('\n'));
-    let text = file.map_or(text.clone(), |file| text.replace(file, &visible(file)));
+    if let Some(file) = error.file().filter(|file| file.contains('\n')) {
+        text = text.replace(file, &visible(file));
+    }
     messages(text.trim_end());
 }
 
@@ -300,10 +289,8 @@ fn messages(text: &str) {
 
 /// A result on stdout that people read: emphasised where a terminal shows it.
 fn show(text: &str) -> Result<(), Error> {
-    let mut text = visible_lines(text);
-    if let Some(width) = width::of_terminal() {
-        text = width::fitted(&text, width);
-    }
+    let text = visible_lines(text);
+    let text = width::of_terminal().map_or(text.clone(), |width| width::fitted(&text, width));
     print_as_is(&terminal::result(&text))
 }
 
@@ -325,9 +312,16 @@ fn print_found(
     }
 }
 
-/// A whole result on stdout that a program may read: a script, a page of a manual, a path.
-fn print(text: &str) -> Result<(), Error> {
-    print_as_is(&visible_lines(text))
+/// A result with what to do next, which stands below its text.
+fn print_with_steps(
+    json: bool,
+    found: &impl serde::Serialize,
+    next_steps: &[Worded],
+    text: impl FnOnce() -> String,
+) -> Result<(), Error> {
+    let answer = WithSteps { found, next_steps };
+    let text = || format!("{}\n{}", text(), next_steps::text(next_steps));
+    print_found(json, &answer, false, text)
 }
 
 fn print_as_is(text: &str) -> Result<(), Error> {
@@ -359,19 +353,19 @@ pub fn robot_keys() -> impl Iterator<Item = &'static str> {
 /// assert!(text.contains("cop_x, cop_y"));
 /// ```
 pub fn columns_text() -> String {
-    let lines = COLUMNS.iter().map(|column| {
+    let mut text = "Columns of a posture log:".to_string();
+    for column in COLUMNS {
         let need = match column.need {
             Need::Always => " (required)",
             Need::Reading => " (one kind of reading, where the command needs readings)",
             _ => "",
         };
-        let start = format!("  {:<32} {:<6} ", column.names.join(", "), column.unit);
-        let indent = " ".repeat(start.chars().count());
+        let start = format!("\n  {:<32} {:<6} ", column.names.join(", "), column.unit);
+        let indent = " ".repeat(start.chars().count() - 1);
         let meaning = format!("{}{need}", column.meaning);
-        start + &wrapped_at(&meaning, &indent, 98 - indent.len())
-    });
-    let lines: Vec<String> = lines.collect();
-    format!("Columns of a posture log:\n{}", lines.join("\n"))
+        text += &(start + &wrapped_at(&meaning, &indent, 98 - indent.len()));
+    }
+    text
 }
 
 /// See [`Answer`].
@@ -398,38 +392,33 @@ fn print_json(value: &impl serde::Serialize) -> Result<(), Error> {
 
 /// JSON whose strings hold nothing that a terminal obeys; its own lines are as they were.
 fn ascii_controls(json: &str) -> String {
-    let mut out = String::with_capacity(json.len());
-    for c in json.chars() {
-        match is_hidden(c) && c != '\n' {
-            true => out.push_str(&format!("\\u{:04x}", u32::from(c))),
-            false => out.push(c),
-        }
-    }
-    out
+    let spelled_out = |c: char| match is_hidden(c) && c != '\n' {
+        true => format!("\\u{:04x}", u32::from(c)),
+        false => c.to_string(),
+    };
+    json.chars().map(spelled_out).collect()
 }
 
 /// A number above zero.
-fn positive(text: &str) -> Result<f64, String> {
-    let value: Result<f64, _> = text.parse();
-    match value.ok().filter(|value| *value > 0.0 && value.is_finite()) {
-        Some(value) => Ok(value),
-        None => Err("give a number above 0".to_string()),
-    }
+fn positive(text: &str) -> Result<f64, &'static str> {
+    let value = text.parse().ok();
+    let value = value.filter(|value: &f64| *value > 0.0 && value.is_finite());
+    value.ok_or("give a number above 0")
 }
 
 /// Whether an error, m, is one that the caller accepts, in noise floors; `what` names it.
-fn judged(what: &str, error: f64, floor: f64, most: Option<f64>) -> Outcome {
+fn judged(what: &str, error: f64, floor: f64, most: Option<f64>) -> bool {
     // What is not a number is no success either.
     let within = |most: &f64| error.is_finite() && error <= most * floor;
-    let Some(most) = most.filter(|most| !within(most)) else {
-        return Outcome::Ok;
-    };
-    message(&format!(
-        "check failed: {what} is {:.2} mm, which is more than {most} noise floors of {:.2} mm",
-        1e3 * error,
-        1e3 * floor
-    ));
-    Outcome::Failed
+    let beyond = most.filter(|most| !within(most));
+    if let Some(most) = beyond {
+        let [error, floor] = [error, floor].map(|metres| 1e3 * metres);
+        message(&format!(
+            "check failed: {what} is {error:.2} mm, which is more than {most} noise floors of \
+             {floor:.2} mm"
+        ));
+    }
+    beyond.is_none()
 }
 
 /// This command line, as a shell takes it.

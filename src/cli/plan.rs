@@ -10,14 +10,11 @@ use super::values::number;
 use super::{
     Bar, FeetArguments, Outcome, RobotArguments, command_line, message, outputs, print_found,
 };
-use crate::Error;
 use crate::report::{self, next_steps::WithSteps};
 use sesc_identify::feet::Feet;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::logs::{PostureWriter, Written};
-use sesc_identify::plan::Limits;
-use sesc_identify::plan::Region;
-use sesc_identify::plan::{Request, plan};
+use sesc_identify::plan::{Limits, Region, Request, plan};
 use sesc_identify::skeleton::Skeleton;
 
 /// Choose postures that tell most about the parameters, balanced and clear, in a short order
@@ -94,8 +91,18 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
-    check_files(arguments)?;
+pub(super) fn run(arguments: &Arguments) -> Outcome {
+    Files::default()
+        .reads_robots([&arguments.robot.urdf])
+        .reads(&arguments.limits)
+        .reads(&arguments.model)
+        .reads_logs(&arguments.data)
+        .may_read(&arguments.sole)
+        .may_read([&arguments.prior])
+        .writes_logs(Kind::Postures, [&arguments.out])
+        .writes(Kind::Page, &arguments.report)
+        .prints(arguments.json)
+        .check_writable()?;
     let (robot, model) = arguments.robot.load(arguments.model.as_deref())?;
     let folder = arguments.robot.urdf.parent();
     let region = match (&arguments.sole, arguments.cop_box) {
@@ -125,51 +132,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     let log = (!streamed)
         .then(|| PostureWriter::create(&arguments.out, dofs, Written::default()))
         .transpose()?;
-    let found = plan(&request, &mut Bar::new("planning"))?;
-    let about = About::new(&arguments.robot.urdf);
-    let next_steps = &about.worded(&found.next_steps())[..];
-    let out = arguments.out.display();
-    let log = match log {
-        Some(log) => log,
-        None => {
-            let (name, to) = (outputs::OUTPUT, outputs::output());
-            PostureWriter::stream(name, to, dofs, Written::default())?
-        }
-    };
+    let found = &plan(&request, &mut Bar::new("planning"))?;
+    let (name, to) = (outputs::OUTPUT, outputs::output());
+    let stream = || PostureWriter::stream(name, to, dofs, Written::default());
+    let log = log.map_or_else(stream, Ok)?;
+    let next_steps = &About::new(&arguments.robot.urdf).worded(&found.next_steps())[..];
+    let out = arguments.out.display().to_string();
     if let Some(sidecar) = found.write(log)? {
         message(&format!("wrote {out} and {}", sidecar.display()));
     }
     if let Some(path) = &arguments.report {
         let (description, folder) = (&request.robot.description, request.folder.as_deref());
         let skeleton = Skeleton::of(&request.model, description, folder);
-        let page = report::plan::page(
-            &found,
-            next_steps,
-            &skeleton,
-            &out.to_string(),
-            &command_line(),
-        );
+        let page = report::plan::page(found, next_steps, &skeleton, &out, &command_line());
         outputs::write(path, &page?)?;
     }
-    let found = &found;
     let answer = WithSteps { found, next_steps };
     print_found(arguments.json, &answer, streamed, || {
         report::plan::text(found, next_steps)
     })?;
-    Ok(Outcome::Ok)
-}
-
-/// Nothing that is read is written, and nothing is written twice.
-fn check_files(arguments: &Arguments) -> Result<(), Error> {
-    Files::default()
-        .reads_robots([&arguments.robot.urdf])
-        .reads(&arguments.limits)
-        .reads(&arguments.model)
-        .reads_logs(&arguments.data)
-        .may_read(&arguments.sole)
-        .may_read([&arguments.prior])
-        .writes_logs(Kind::Postures, [&arguments.out])
-        .writes(Kind::Page, &arguments.report)
-        .prints(arguments.json)
-        .check_writable()
+    Ok(true)
 }

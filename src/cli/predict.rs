@@ -7,7 +7,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::outputs::{Files, Kind};
-use super::steps::About;
+use super::steps::{About, named};
 use super::values::{MOTION, one_of};
 use super::{Bar, Outcome, RobotArguments, message, outputs, print_found, print_json, steps};
 use crate::Error;
@@ -15,7 +15,6 @@ use crate::report::next_steps::{self, WithSteps, Worded};
 use sesc_identify::fit::MotionModel;
 use sesc_identify::logs::{Angles, PREDICTED, PostureWriter, Row, Sidecar};
 use sesc_identify::predict::{Predictor, Request, predict};
-use sesc_identify::robot::Stance;
 use sesc_identify::{Functions, NextStep};
 
 /// CoM and CoP of every posture in a log
@@ -51,16 +50,16 @@ pub(super) struct Arguments {
 /// What is told of a table that was written.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub(super) struct Written {
+pub(super) struct Written<'a> {
     /// Its path.
     file: String,
     /// Its rows.
     postures: u64,
     /// What to do next.
-    next_steps: Vec<Worded>,
+    next_steps: &'a [Worded],
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments) -> Outcome {
     Files::default()
         .reads_robots([&arguments.robot.urdf])
         .reads(&arguments.model)
@@ -69,16 +68,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         .prints(arguments.json)
         .check_writable()?;
     let stance = arguments.robot.stance(arguments.model.as_deref())?;
-    let next_steps = after(arguments, &stance);
+    let sidecar = || Sidecar::of(&arguments.data).ok()?.0.support;
+    let support = stance.support.clone().or_else(sidecar);
+    // It computes the same on the robot.
+    let generate = NextStep::Generate {
+        support: Some(support.unwrap_or("LINK".to_string())),
+        model: named(&arguments.model),
+        of: Functions::Predicted,
+    };
+    let next_steps = About::new(&arguments.robot.urdf).worded([&generate]);
     let mut request = Request::new(stance, outputs::log(&arguments.data)?);
     request.angles = arguments.degrees.then_some(Angles::Deg);
     request.motion = arguments.motion;
     let bar = &mut Bar::new("predicting");
     let file = arguments.out.as_deref();
-    match (
-        file.filter(|path| !outputs::is_standard(path)),
-        arguments.json,
-    ) {
+    let file = file.filter(|path| !outputs::is_standard(path));
+    match (file, arguments.json) {
         (Some(path), json) => {
             let mut table = PostureWriter::predictions(path)?;
             let mut postures = 0;
@@ -95,13 +100,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             bar.clear();
             let file = path.display().to_string();
             message(&format!("wrote {file}"));
+            let next_steps = &next_steps;
             let written = Written {
                 file,
                 postures,
                 next_steps,
             };
-            let text = || next_steps::text(&written.next_steps);
-            print_found(json, &written, true, text)?;
+            print_found(json, &written, true, || next_steps::text(next_steps))?;
         }
         (None, true) => print_json(&WithSteps {
             found: &predict(&request, bar)?,
@@ -121,21 +126,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
             steps::say(&next_steps);
         }
     }
-    Ok(Outcome::Ok)
-}
-
-/// What computes the same on the robot.
-fn after(arguments: &Arguments, stance: &Stance) -> Vec<Worded> {
-    let sidecar = || Sidecar::of(&arguments.data).ok()?.0.support;
-    let support = stance.support.clone().or_else(sidecar);
-    let file = arguments.model.as_ref();
-    let generate = NextStep::Generate {
-        support: Some(support.unwrap_or("LINK".to_string())),
-        model: file.map(|file| file.display().to_string()),
-        of: Functions::Predicted,
-    };
-    let about = About::new(&arguments.robot.urdf);
-    about.worded([&generate])
+    Ok(true)
 }
 
 /// Give the pose, CoM and CoP of every row to `take`.

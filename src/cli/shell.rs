@@ -3,7 +3,7 @@
 use clap::{Args, Command, CommandFactory as _};
 use clap_complete::Shell;
 
-use super::{Cli, Outcome, print};
+use super::{Cli, Outcome, print_as_is};
 use crate::Error;
 
 /// Print the completions of a shell
@@ -25,35 +25,28 @@ pub(super) struct Manual {
     command: Option<String>,
 }
 
-pub(super) fn completions(arguments: &Completions) -> Result<Outcome, Error> {
+pub(super) fn completions(arguments: &Completions) -> Outcome {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut Cli::command(), "sesc", &mut script);
-    print(&String::from_utf8_lossy(&script))?;
-    Ok(Outcome::Ok)
+    print_as_is(&String::from_utf8_lossy(&script))?;
+    Ok(true)
 }
 
-pub(super) fn manual(arguments: &Manual) -> Result<Outcome, Error> {
+pub(super) fn manual(arguments: &Manual) -> Outcome {
     let mut command = Cli::command();
     command.build();
-    let page = match &arguments.command {
-        None => command,
-        Some(name) => of(&command, name)?,
-    };
+    if let Some(name) = &arguments.command {
+        let Some(found) = command.find_subcommand(name).cloned() else {
+            let names: Vec<&str> = command.get_subcommands().map(Command::get_name).collect();
+            let names = names.join(", ");
+            let sentence = format!("no command `{name}`; the commands are {names}");
+            return Err(Error::Usage(sentence));
+        };
+        command = found;
+    }
     let mut text = Vec::new();
-    clap_mangen::Man::new(page)
-        .render(&mut text)
-        .map_err(Error::Stdout)?;
-    print(&String::from_utf8_lossy(&text))?;
-    Ok(Outcome::Ok)
-}
-
-fn of(command: &Command, name: &str) -> Result<Command, Error> {
-    let found = command.find_subcommand(name).cloned();
-    found.ok_or_else(|| {
-        let names: Vec<&str> = command.get_subcommands().map(Command::get_name).collect();
-        Error::Usage(format!(
-            "no command `{name}`; the commands are {}",
-            names.join(", ")
-        ))
-    })
+    let page = clap_mangen::Man::new(command);
+    page.render(&mut text).map_err(Error::Stdout)?;
+    print_as_is(&String::from_utf8_lossy(&text))?;
+    Ok(true)
 }

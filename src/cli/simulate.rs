@@ -82,7 +82,7 @@ pub(super) struct Written<'a> {
     next_steps: &'a [Worded],
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments) -> Outcome {
     if arguments.motion == MotionModel::Off && arguments.rate.is_none() {
         let sentence = "--motion off is about a robot that moves; add --rate HZ, or leave it out \
                         (postures are at rest without it)";
@@ -105,14 +105,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     request.motion = arguments.motion;
     let bar = &mut Bar::new("simulating");
     let tree = &request.model.tree;
-    let support = &tree.links[tree.support].name;
+    let support = request.model.support();
     if outputs::is_standard(&arguments.out) {
         simulate::stream(&request, outputs::OUTPUT, outputs::output(), bar)?;
         bar.clear();
         message(&format!(
             "note: the robot stands on `{support}`; give --support to what reads this"
         ));
-        return Ok(Outcome::Ok);
+        return Ok(true);
     }
     let sidecar = simulate::write(&request, &arguments.out, bar)?;
     bar.clear();
@@ -136,5 +136,5 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
         next_steps: &steps,
     };
     print_found(arguments.json, &written, true, || next_steps::text(&steps))?;
-    Ok(Outcome::Ok)
+    Ok(true)
 }

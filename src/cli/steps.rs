@@ -1,7 +1,7 @@
 //! The commands of next steps: complete, with the names of the files and the only option that is
 //! new. Words in capitals stand for files that are still to come.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use sesc_identify::NextStep;
 
@@ -33,7 +33,12 @@ impl<'a> About<'a> {
 
     /// The command of a step, where one does it.
     fn command(&self, step: &NextStep) -> Option<String> {
-        let (urdf, log) = (named(self.urdf, "URDF"), named(self.log, "LOG"));
+        let given = |path: Option<&Path>, otherwise: &str| {
+            // What comes by standard input has no name.
+            let path = path.filter(|path| !outputs::is_standard(path));
+            path.map_or(otherwise.to_string(), |path| path.display().to_string())
+        };
+        let (urdf, log) = (given(self.urdf, "URDF"), given(self.log, "LOG"));
         let about_log = |command: &str, support: Option<&str>, more: &[&str]| {
             let words = [command, &urdf, "--data", &log];
             line([&words[..], &on(support), more].concat())
@@ -48,8 +53,8 @@ impl<'a> About<'a> {
         match step {
             NextStep::Plan { support } => {
                 let words = ["plan", &urdf, "--support", support];
-                let words = words.into_iter();
-                Some(line(words.chain(["--poses", "40", "--out", "poses.csv"])))
+                let more = ["--poses", "40", "--out", "poses.csv"];
+                Some(line(words.into_iter().chain(more)))
             }
             NextStep::Fit { support } => Some(about_log("fit", support.as_deref(), &[])),
             NextStep::Diagnose => diagnose(&[]),
@@ -76,21 +81,8 @@ impl<'a> About<'a> {
                 let more = if *unsnapped { &["--no-snap"][..] } else { &[] };
                 Some(of_model("verify", Some(support), model, more))
             }
-            NextStep::Repair
-            | NextStep::Record { .. }
-            | NextStep::Repeat { .. }
-            | NextStep::Change
-            | NextStep::LookAtRobot
-            | NextStep::WidenRange { .. }
-            | NextStep::CheckSoles
-            | NextStep::CheckLoad { .. }
-            | NextStep::CheckJoint { .. }
-            | NextStep::CheckRecording
-            | NextStep::CheckContact
-            | NextStep::CheckLengths
-            | NextStep::RecordAgain
-            | NextStep::GoOn { .. }
-            | NextStep::CheckChanged { .. } => None,
+            // Those that are done on the robot.
+            _ => None,
         }
     }
 }
@@ -100,10 +92,9 @@ pub(super) fn say(steps: &[Worded]) {
     super::messages(next_steps::text(steps).trim_end());
 }
 
-/// A file as a command names it; what comes by standard input has no name.
-fn named(path: Option<&Path>, otherwise: &str) -> String {
-    let path = path.filter(|path| !outputs::is_standard(path));
-    path.map_or(otherwise.to_string(), |path| path.display().to_string())
+/// A file of an option as a command names it.
+pub(super) fn named(path: &Option<PathBuf>) -> Option<String> {
+    path.as_ref().map(|path| path.display().to_string())
 }
 
 fn on(support: Option<&str>) -> Vec<&str> {

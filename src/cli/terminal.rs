@@ -54,24 +54,19 @@ fn manners() -> Manners {
 }
 
 fn emphasis(terminal: bool) -> bool {
-    let is = |name: &str, wanted: fn(&str) -> bool| {
-        env::var_os(name).is_some_and(|value| wanted(&value.to_string_lossy()))
-    };
+    let set = |name: &str| env::var_os(name).unwrap_or_default();
     match manners().color {
         ColorChoice::Always => true,
         ColorChoice::Never => false,
-        ColorChoice::Auto => {
-            terminal && !is("NO_COLOR", |value| !value.is_empty()) && !is("TERM", |t| t == "dumb")
-        }
+        ColorChoice::Auto => terminal && set("NO_COLOR").is_empty() && set("TERM") != "dumb",
     }
 }
 
 /// A result for people: its first paragraph and the headings of its tables in bold.
 pub(super) fn result(text: &str) -> String {
-    if emphasis(io::stdout().is_terminal()) {
-        bold(text)
-    } else {
-        text.to_string()
+    match emphasis(io::stdout().is_terminal()) {
+        true => bold(text),
+        false => text.to_string(),
     }
 }
 
@@ -114,6 +109,7 @@ pub(super) struct Bar {
     bar: ProgressBar,
     /// Where a run says lines, what it said last.
     lines: Option<Lines>,
+    start: Instant,
 }
 
 impl Bar {
@@ -124,13 +120,14 @@ impl Bar {
         }
         bar.set_style(style(0, None));
         bar.set_message(what);
-        Bar { bar, lines: None }
+        let (lines, start) = (None, Instant::now());
+        Bar { bar, lines, start }
     }
 
     /// One of a long run, which says lines where there is no terminal.
     pub(super) fn or_lines(what: &'static str) -> Bar {
         let mut bar = Bar::new(what);
-        bar.lines = bar.bar.is_hidden().then(Lines::new);
+        bar.lines = bar.bar.is_hidden().then(Lines::default);
         bar
     }
 
@@ -160,8 +157,7 @@ fn template(done: u64, total: Option<u64>) -> &'static str {
 }
 
 fn style(done: u64, total: Option<u64>) -> ProgressStyle {
-    let style = ProgressStyle::with_template(template(done, total));
-    style.unwrap_or_else(|_| ProgressStyle::default_bar())
+    ProgressStyle::with_template(template(done, total)).expect("templates are valid")
 }
 
 impl Drop for Bar {
@@ -173,7 +169,7 @@ impl Drop for Bar {
 impl Watch for Bar {
     fn progress(&mut self, progress: Progress) -> ControlFlow<()> {
         let lines = self.lines.as_mut();
-        if let Some(line) = lines.and_then(|lines| lines.line(progress, lines.start.elapsed())) {
+        if let Some(line) = lines.and_then(|lines| lines.line(progress, self.start.elapsed())) {
             message(&line);
         }
         self.move_to(progress.done, progress.total);
@@ -197,23 +193,14 @@ const LINES: u64 = 10;
 const SHORT: Duration = Duration::from_secs(2);
 
 /// What was said last: tenths, what was done, and when.
+#[derive(Default)]
 struct Lines {
-    start: Instant,
     tenths: u64,
     done: u64,
     at: Duration,
 }
 
 impl Lines {
-    fn new() -> Lines {
-        Lines {
-            start: Instant::now(),
-            tenths: 0,
-            done: 0,
-            at: Duration::ZERO,
-        }
-    }
-
     /// The line that is due after such a time. What is left is taken to go as the last tenth
     /// went: groups that a store knows take no time, and come among others.
     fn line(&mut self, progress: Progress, elapsed: Duration) -> Option<String> {
@@ -275,7 +262,7 @@ mod tests {
 
     #[test]
     fn a_line_for_each_tenth_says_when_the_run_will_end() {
-        let mut lines = Lines::new();
+        let mut lines = Lines::default();
         let mut said = Vec::new();
         for done in 0..=420 {
             // The first half from a store, the rest at ten seconds each.

@@ -5,10 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::outputs::Files;
-use super::steps::About;
-use super::{Bar, Outcome, RobotArguments, print_found};
-use crate::Error;
-use crate::report::next_steps::{self, WithSteps, Worded};
+use super::steps::{About, named};
+use super::{Bar, Outcome, RobotArguments, print_with_steps};
+use crate::report::next_steps;
 use crate::report::table::Table;
 use crate::verify::{Verification, holds, samples, verify};
 use sesc_model::Model;
@@ -44,7 +43,7 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
+pub(super) fn run(arguments: &Arguments) -> Outcome {
     Files::default().reads(&arguments.model).check()?;
     let (robot, model) = arguments.robot.load(arguments.model.as_deref())?;
     let samples = match arguments.samples {
@@ -53,38 +52,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<Outcome, Error> {
     };
     let bar = &mut Bar::new("comparing");
     let found = verify(&robot, &model, samples, arguments.seed, bar)?;
-    let file = arguments.model.as_ref();
-    let file = file.map(|file| file.display().to_string());
+    let file = named(&arguments.model);
     let step = next_steps::of_verification(model.support(), file, found.pass);
-    let about = About::new(&arguments.robot.urdf);
-    let next_steps = &about.worded([&step])[..];
-    let answer = WithSteps {
-        found: &found,
-        next_steps,
-    };
-    print_found(arguments.json, &answer, false, || {
-        text(&found, &model, next_steps)
-    })?;
-    Ok(if found.pass {
-        Outcome::Ok
-    } else {
-        Outcome::Failed
-    })
+    let steps = About::new(&arguments.robot.urdf).worded([&step]);
+    print_with_steps(arguments.json, &found, &steps, || text(&found, &model))?;
+    Ok(found.pass)
 }
 
 /// The worst errors beside what is allowed, and what is said of them.
-fn text(found: &Verification, model: &Model, next_steps: &[Worded]) -> String {
+fn text(found: &Verification, model: &Model) -> String {
     let mut table = Table::new(&["function", "worst error", "allowed", "unit", ""]);
     for (name, error) in &found.worst_error {
         let bound = found.bound[name];
         let verdict = if holds(*error, bound) { "ok" } else { "FAIL" };
-        table.row(&[
-            name.to_string(),
-            format!("{error:.2e}"),
-            format!("{bound:.2e}"),
-            found.units[name].to_string(),
-            verdict.to_string(),
-        ]);
+        let [worst, allowed] = [*error, bound].map(|x| format!("{x:.2e}"));
+        table.row(&[name, &worst, &allowed, found.units[name], verdict]);
     }
     let mut text = format!("{table}\n");
     if !model.tree.snaps.is_empty() {
@@ -115,9 +97,5 @@ fn text(found: &Verification, model: &Model, next_steps: &[Worded]) -> String {
         );
     }
     let verdict = if found.pass { "pass" } else { "FAIL" };
-    format!(
-        "{text}{verdict} on {} postures\n\n{}",
-        found.samples,
-        next_steps::text(next_steps)
-    )
+    format!("{text}{verdict} on {} postures\n", found.samples)
 }

@@ -7,7 +7,7 @@ use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
 use super::figures::fit::deviations;
-use super::html::render;
+use super::html::{file_name, render};
 use super::next_steps::{self, Worded};
 use super::origin::recorded;
 use super::robot::{Card, Marked};
@@ -33,16 +33,13 @@ pub fn text(comparison: &Comparison, before: &str, after: &str) -> String {
     }
     let largest = comparison.largest();
     if !largest.is_empty() {
-        let mut table = Table::new(&["parameter", "before", "after", "std", "deviations"]);
-        for parameter in largest {
-            table.row(&[
-                parameter.name.clone(),
-                millimetres(parameter.before),
-                millimetres(parameter.after),
-                millimetres(parameter.std),
-                judged(parameter),
-            ]);
-        }
+        let mm = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{:.3}", 1e3 * x));
+        let rows = largest.into_iter().map(|own| {
+            let [before, after, std] = [own.before, own.after, own.std].map(mm);
+            [own.name.clone(), before, after, std, judged(own)]
+        });
+        let titles = ["parameter", "before", "after", "std", "deviations"];
+        let table = Table::of(&titles, rows);
         out += &format!("Base parameters that differ most, mm:\n{table}\n");
     }
     out + &comparison.sentence + "\n"
@@ -60,25 +57,15 @@ fn change(effect: &EffectChange) -> &'static str {
 }
 
 fn rows(table: &mut Table, effect: &EffectChange) {
-    let first = [
-        effect.effect.as_str(),
-        effect.target.as_str(),
-        change(effect),
-    ];
+    let first: [&str; 3] = [&effect.effect, &effect.target, change(effect)];
     if effect.parameters.is_empty() {
         table.row(&first);
     }
-    for (k, parameter) in effect.parameters.iter().enumerate() {
+    for (k, own) in effect.parameters.iter().enumerate() {
         let [name, target, change] = if k == 0 { first } else { [""; 3] };
-        let value = |value: Option<f64>| value.map_or_else(String::new, |x| of(parameter, x));
-        table.row(&[
-            name.to_string(),
-            target.to_string(),
-            change.to_string(),
-            value(parameter.before),
-            value(parameter.after),
-            judged(parameter),
-        ]);
+        let value = |value: Option<f64>| value.map_or_else(String::new, |x| of(own, x));
+        let [before, after] = [own.before, own.after].map(value);
+        table.row(&[name, target, change, &before, &after, &judged(own)]);
     }
 }
 
@@ -92,10 +79,6 @@ fn of(parameter: &Difference, value: f64) -> String {
             format!("{:.4} {unit}", factor * value)
         }
     }
-}
-
-fn millimetres(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |x| format!("{:.3}", 1e3 * x))
 }
 
 fn judged(parameter: &Difference) -> String {
@@ -159,11 +142,6 @@ fn data(log: &DataUsed) -> Value {
         hash => &log.hash,
         recorded => log.times.and_then(recorded),
     }
-}
-
-/// Without the folders of this machine.
-fn file_name(path: &str) -> &str {
-    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
 /// What changed, on the robot.

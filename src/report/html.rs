@@ -76,6 +76,11 @@ pub(super) fn render(page: &str, context: Value) -> Result<String, Error> {
     environment.get_template(page)?.render(context)
 }
 
+/// The name of a file, without the folders of this machine.
+pub(super) fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
 /// A value as the engine writes it, numbers with a true minus and what is hidden in names spelled
 /// out: a browser turns text around where a name says so.
 fn spelled_out(
@@ -93,12 +98,8 @@ fn spelled_out(
 fn code(sentence: &str) -> Value {
     let mut html = svg::escaped(&minus(sentence));
     if html.matches('`').count().is_multiple_of(2) {
-        for tag in ["<code>", "</code>"].into_iter().cycle() {
-            let before = html.len();
-            html = html.replacen('`', tag, 1);
-            if html.len() == before {
-                break;
-            }
+        while html.contains('`') {
+            html = html.replacen('`', "<code>", 1).replacen('`', "</code>", 1);
         }
     }
     Value::from_safe_string(html)
@@ -123,14 +124,11 @@ fn scientific(value: f64) -> String {
     let Some((digits, exponent)) = text.split_once('e').filter(|_| value != 0.0) else {
         return if value == 0.0 { "0".to_string() } else { text };
     };
-    let raised: String = exponent
-        .chars()
-        .map(|c| match c.to_digit(10) {
-            Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
-            None => '⁻',
-        })
-        .collect();
-    format!("{digits} × 10{raised}")
+    let raised = exponent.chars().map(|c| match c.to_digit(10) {
+        Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
+        None => '⁻',
+    });
+    format!("{digits} × 10{}", raised.collect::<String>())
 }
 
 #[cfg(test)]

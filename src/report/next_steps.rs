@@ -49,189 +49,182 @@ pub fn worded<'s>(
     command: impl Fn(&NextStep) -> Option<String>,
 ) -> Vec<Worded> {
     let word = |step| {
-        let (what, why) = sentence(step);
-        let command = command(step);
+        let (said, command) = (sentence(step), command(step));
+        let (what, why) = said.rsplit_once(": ").unwrap_or((&said, ""));
+        let [what, why] = [what, why].map(String::from);
         Worded { what, why, command }
     };
     steps.into_iter().map(word).collect()
 }
 
-/// What to do, and what it is good for.
-fn sentence(step: &NextStep) -> (String, String) {
-    match step {
-        NextStep::Repair => both(
-            "Repair what is wrong with the data, and record the log again",
-            "nothing that is fitted to broken data is a result",
-        ),
-        NextStep::Plan { .. } => both(
-            "Choose postures to record",
-            "a log of them tells most about the parameters",
-        ),
+/// What to do and, behind the last colon, what it is good for.
+fn sentence(step: &NextStep) -> String {
+    let said = match step {
+        NextStep::Repair => {
+            "Repair what is wrong with the data, and record the log again: nothing that is fitted \
+             to broken data is a result"
+        }
+        NextStep::Plan { .. } => {
+            "Choose postures to record: a log of them tells most about the parameters"
+        }
         NextStep::Record {
             joints,
             revolute,
             prismatic,
             support,
-        } => both(
-            format!(
+        } => {
+            let joints = listed(joints, NAMED);
+            let unit = match (revolute, prismatic) {
+                (_, false) => "rad",
+                (true, true) => "rad, of prismatic joints m",
+                (false, true) => "m",
+            };
+            return format!(
                 "Stand in each posture until the robot is still, and log a row of it: `pose`, what \
-                 encoders read under the names of the joints ({}; {}), and the reading as \
+                 encoders read under the names of the joints ({joints}; {unit}), and the reading as \
                  `cop_x`, `cop_y` (m, in the frame of `{support}`) or as loads of the foot cells \
-                 `fsr_1`, `fsr_2`, … (N)",
-                listed(joints, NAMED),
-                match (revolute, prismatic) {
-                    (_, false) => "rad",
-                    (true, true) => "rad, of prismatic joints m",
-                    (false, true) => "m",
-                }
-            ),
-            "a fit reads columns of these names",
-        ),
-        NextStep::Fit { .. } => both(
-            "Fit the log",
-            "it gives the parameters, their uncertainty and the error on postures not seen",
-        ),
-        NextStep::Diagnose => both(
-            "Diagnose the log",
-            "the fit leaves more than noise, and a diagnosis says what the model misses",
-        ),
+                 `fsr_1`, `fsr_2`, … (N): a fit reads columns of these names"
+            );
+        }
+        NextStep::Fit { .. } => {
+            "Fit the log: it gives the parameters, their uncertainty and the error on postures not \
+             seen"
+        }
+        NextStep::Diagnose => {
+            "Diagnose the log: the fit leaves more than noise, and a diagnosis says what the model \
+             misses"
+        }
         NextStep::Repeat { poses } => {
             let poses: Vec<String> = poses.iter().map(i64::to_string).collect();
-            both(
-                format!(
-                    "Reach poses {} once more, and log their readings under the same `pose`",
-                    poses.join(", ")
-                ),
-                "what a posture that is reached again differs by is noise, which nothing else tells \
-                 here",
-            )
+            return format!(
+                "Reach poses {} once more, and log their readings under the same `pose`: what a \
+                 posture that is reached again differs by is noise, which nothing else tells here",
+                poses.join(", ")
+            );
         }
-        NextStep::Change => both(
+        NextStep::Change => {
             "Make the change that is proposed, in one place alone, then record a new log and \
-             diagnose it",
-            "nothing should be missing from it",
-        ),
-        NextStep::KeepModel => both(
-            "Keep the corrected model",
-            "predict, simulate, generate and build.rs read it",
-        ),
-        NextStep::WritePostures { experiment } => both(
-            format!("Write the postures that tell most: {experiment}"),
-            "the explanations predict other readings there",
-        ),
-        NextStep::TakePostures { experiment, file } => both(
-            format!(
-                "Take the postures of {} ({experiment}), and diagnose their log with the first",
-                Path::new(file).file_name().unwrap_or_default().display()
-            ),
-            "the explanations predict other readings there",
-        ),
-        NextStep::LookAtRobot => both(
-            "Look on the robot which of the explanations holds",
-            "no experiment that is known here would tell them apart",
-        ),
-        NextStep::GivePrior => both(
-            "Give the tolerances of masses that you trust, or weigh links",
-            "masses that are known better do not hide an effect",
-        ),
-        NextStep::RecordHealthy => both(
+             diagnose it: nothing should be missing from it"
+        }
+        NextStep::KeepModel => {
+            "Keep the corrected model: predict, simulate, generate and build.rs read it"
+        }
+        NextStep::WritePostures { experiment } => {
+            return format!(
+                "Write the postures that tell most: {experiment}: the explanations predict other \
+                 readings there"
+            );
+        }
+        NextStep::TakePostures { experiment, file } => {
+            let file = Path::new(file).file_name().unwrap_or_default().display();
+            return format!(
+                "Take the postures of {file} ({experiment}), and diagnose their log with the \
+                 first: the explanations predict other readings there"
+            );
+        }
+        NextStep::LookAtRobot => {
+            "Look on the robot which of the explanations holds: no experiment that is known here \
+             would tell them apart"
+        }
+        NextStep::GivePrior => {
+            "Give the tolerances of masses that you trust, or weigh links: masses that are known \
+             better do not hide an effect"
+        }
+        NextStep::RecordHealthy => {
             "Record 200 balanced postures of the robot when nothing is wrong with it, before the \
-             fault or after its repair, and diagnose this log beside that one",
-            "masses are off CAD, and a log of the healthy robot tells them from faults",
-        ),
-        NextStep::CompareLater => both(
-            "Keep this log, and compare a later one with it",
-            "what changes on the robot shows in the difference",
-        ),
-        NextStep::WidenRange { joint, unseen } => both(
-            format!("Record postures with larger ranges of joints, first of all `{joint}`"),
-            format!("this log does not show offsets of it {unseen}"),
-        ),
-        NextStep::LookAtPage => both(
-            "Look at the page of the diagnosis",
-            "it shows where the gap is, and what it goes with",
-        ),
-        NextStep::CheckSoles => both(
-            "Check that both soles lie flat on one floor: edges, dirt, carpet, loose soles",
-            "the soles lie otherwise than the joints say",
-        ),
-        NextStep::CheckLoad { joint } => both(
-            format!("Check `{joint}` under load: play, bending, screws, its cables and connectors"),
-            "the gap goes most with the load of this joint",
-        ),
-        NextStep::CheckJoint { joint } => both(
-            format!("Check cables and connectors at `{joint}`, its encoder, its screws and covers"),
-            "the gap goes most with the position of this joint",
-        ),
-        NextStep::CheckRecording => both(
+             fault or after its repair, and diagnose this log beside that one: masses are off CAD, \
+             and a log of the healthy robot tells them from faults"
+        }
+        NextStep::CompareLater => {
+            "Keep this log, and compare a later one with it: what changes on the robot shows in \
+             the difference"
+        }
+        NextStep::WidenRange { joint, unseen } => {
+            return format!(
+                "Record postures with larger ranges of joints, first of all `{joint}`: this log \
+                 does not show offsets of it {unseen}"
+            );
+        }
+        NextStep::LookAtPage => {
+            "Look at the page of the diagnosis: it shows where the gap is, and what it goes with"
+        }
+        NextStep::CheckSoles => {
+            "Check that both soles lie flat on one floor: edges, dirt, carpet, loose soles: the \
+             soles lie otherwise than the joints say"
+        }
+        NextStep::CheckLoad { joint } => {
+            return format!(
+                "Check `{joint}` under load: play, bending, screws, its cables and connectors: the \
+                 gap goes most with the load of this joint"
+            );
+        }
+        NextStep::CheckJoint { joint } => {
+            return format!(
+                "Check cables and connectors at `{joint}`, its encoder, its screws and covers: the \
+                 gap goes most with the position of this joint"
+            );
+        }
+        NextStep::CheckRecording => {
             "Check what changed while the log was recorded: a battery or cover that moved, a \
-             sensor that warmed up, another floor",
-            "the gap goes most with the place in the log",
-        ),
-        NextStep::CheckContact => both(
+             sensor that warmed up, another floor: the gap goes most with the place in the log"
+        }
+        NextStep::CheckContact => {
             "Check the edges of the foot sole, and that no cover, cable or support frame touches \
-             the ground or holds the robot",
-            "what carries load beside the sole moves the CoP, and no posture predicts it",
-        ),
-        NextStep::CheckLengths => both(
+             the ground or holds the robot: what carries load beside the sole moves the CoP, and \
+             no posture predicts it"
+        }
+        NextStep::CheckLengths => {
             "Compare link lengths and joint axes of the URDF with the robot, and where its battery \
-             sits",
-            "no effect of the list changes a length",
-        ),
-        NextStep::RecordAgain => both(
-            "Record the log once more",
-            "what comes again belongs to the robot, what does not to the recording",
-        ),
+             sits: no effect of the list changes a length"
+        }
+        NextStep::RecordAgain => {
+            "Record the log once more: what comes again belongs to the robot, what does not to the \
+             recording"
+        }
         NextStep::Generate { of, .. } => match of {
-            Functions::Verified => both(
-                "Write the functions as source code",
-                "they are what was compared, in C and in Rust",
-            ),
-            Functions::Predicted => both(
-                "Write the functions as source code",
-                "they compute the same on the robot",
-            ),
-            Functions::Later => both(
-                "Write the functions of the later model",
-                "those of the first are of a robot that has changed",
-            ),
+            Functions::Verified => {
+                "Write the functions as source code: they are what was compared, in C and in Rust"
+            }
+            Functions::Predicted => {
+                "Write the functions as source code: they compute the same on the robot"
+            }
+            Functions::Later => {
+                "Write the functions of the later model: those of the first are of a robot that \
+                 has changed"
+            }
         },
-        NextStep::Verify {
-            unsnapped: false, ..
-        } => both(
-            "Compare the functions with an independent reference",
-            "it sums the links of the URDF by itself",
-        ),
-        NextStep::Verify {
-            unsnapped: true, ..
-        } => both(
-            "Compare without snapped angles",
-            "what fails even so is no right angle that the URDF has but nearly",
-        ),
-        NextStep::GoOn { model } => both(
-            format!("Go on with {model}"),
-            "nothing differs from it by more than chance, and what was generated from it holds",
-        ),
+        NextStep::Verify { unsnapped, .. } => match unsnapped {
+            false => {
+                "Compare the functions with an independent reference: it sums the links of the \
+                 URDF by itself"
+            }
+            true => {
+                "Compare without snapped angles: what fails even so is no right angle that the \
+                 URDF has but nearly"
+            }
+        },
+        NextStep::GoOn { model } => {
+            return format!(
+                "Go on with {model}: nothing differs from it by more than chance, and what was \
+                 generated from it holds"
+            );
+        }
         NextStep::CheckChanged { effect, target } => {
-            let effect = in_words(effect);
             let of = match target.as_str() {
                 "-" => String::new(),
                 target => format!(" of `{target}`"),
             };
-            both(
-                format!("Check what became of the {effect}{of} on the robot"),
-                "it changed by more than chance",
-            )
+            return format!(
+                "Check what became of the {}{of} on the robot: it changed by more than chance",
+                in_words(effect)
+            );
         }
-        NextStep::DiagnoseLater { .. } => both(
-            "Diagnose the later log",
-            "a diagnosis says what changes in URDF or controller put it right",
-        ),
-    }
-}
-
-fn both(what: impl Into<String>, why: impl Into<String>) -> (String, String) {
-    (what.into(), why.into())
+        NextStep::DiagnoseLater { .. } => {
+            "Diagnose the later log: a diagnosis says what changes in URDF or controller put it \
+             right"
+        }
+    };
+    said.to_string()
 }
 
 /// What a comparison of two models leads to, which the caller calls `before` and `after`; of logs,

@@ -7,11 +7,10 @@ use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
 use crate::report::figures;
-use crate::report::figures::robot::Marks;
 use crate::report::html::render;
 use crate::report::next_steps::{self, Worded};
 use crate::report::origin::Origin;
-use crate::report::robot::{Card, Correction, Shown};
+use crate::report::robot::{Card, Shown};
 use crate::report::table::{lines, mm};
 use sesc_identify::plan::{Lesson, Plan};
 use sesc_identify::skeleton::Skeleton;
@@ -79,17 +78,13 @@ pub fn page(
         planned: Some(*cop),
         ..Shown::default()
     });
+    let caption = "Quartered disc: centre of mass, with its plumb line. Right, the CoP that is \
+                   expected of each posture, in their order, with what CAD does not know kept from \
+                   the edge.";
+    let beside = Some(figures::plan::region(plan));
     let card = Card {
-        skeleton,
-        postures: shown.collect(),
-        apart: Vec::new(),
-        beside: Some(figures::plan::region(plan)),
-        caption: "Quartered disc: centre of mass, with its plumb line. Right, the CoP that is \
-                  expected of each posture, in their order, with what CAD does not know kept \
-                  from the edge."
-            .to_string(),
-        marks: Marks::default(),
-        correction: Correction::default(),
+        beside,
+        ..Card::new(skeleton, shown.collect(), caption.to_string())
     };
     let sheet = figures::robot::sheet(skeleton, &postures[..postures.len().min(SHEET)]);
     let context = context! {
@@ -147,24 +142,22 @@ pub fn text(plan: &Plan, next: &[Worded]) -> String {
         let [error, random, noise] = [error, random, plan.noise].map(mm);
         let text = format!("{error} mm over all candidates, from readings to {noise} mm");
         facts.push(("expected error", text));
-        facts.push((
-            "",
-            format!("{random} mm with postures chosen at random: {less}"),
-        ));
+        let text = format!("{random} mm with postures chosen at random: {less}");
+        facts.push(("", text));
     }
     let (rank, condition) = (plan.rank, plan.condition_number);
     let conditioning = format!("{rank} directions told, condition number {condition:.0}");
-    facts.push(("conditioning", conditioning));
     let gain = plan.log_det[plan.log_det.len() - 1] - plan.log_det[0];
-    let choice = format!(
-        "greedy, then {} exchanges: log det + {gain:.2}",
-        plan.exchanges
-    );
-    facts.push(("choice", choice));
+    let exchanges = plan.exchanges;
+    let choice = format!("greedy, then {exchanges} exchanges: log det + {gain:.2}");
     let [ordered, chosen] = [plan.motion.ordered, plan.motion.as_chosen].map(f64::to_degrees);
     let motion =
         format!("{ordered:.0}° in this order, {chosen:.0}° as chosen (largest joint, summed)");
-    facts.push(("motion", motion));
+    facts.extend([
+        ("conditioning", conditioning),
+        ("choice", choice),
+        ("motion", motion),
+    ]);
     facts.extend(plan.notes.iter().map(|note| ("note", note.clone())));
     facts.push(("note", WAY.to_string()));
     format!("{about}\n\n{}{}", lines(facts), next_steps::text(next))

@@ -174,20 +174,16 @@ impl Point {
 
     /// A place that stands for posture `k` of the page.
     pub fn posture(k: usize, at: [f64; 2]) -> Point {
-        let posture = Some(k);
-        Point {
-            posture,
-            ..Point::from(at)
-        }
+        let mut point = Point::from(at);
+        point.posture = Some(k);
+        point
     }
 
     /// A place that stands for no posture, and what a pointer is told of it.
     pub fn worded(words: impl Into<String>, at: [f64; 2]) -> Point {
-        let words = words.into();
-        Point {
-            words,
-            ..Point::from(at)
-        }
+        let mut point = Point::from(at);
+        point.words = words.into();
+        point
     }
 
     /// The same, coming from another place.
@@ -229,11 +225,9 @@ pub fn rule(axis: usize, value: f64, color: Color, width: f64) -> Series {
 
 /// The edges of a box.
 pub fn outline(color: Color, [[left, low], [right, high]]: [[f64; 2]; 2]) -> Series {
-    let corners = [[left, low], [right, low], [right, high], [left, high]];
-    series(
-        Mark::Line(color, 1.0),
-        corners.into_iter().chain([corners[0]]),
-    )
+    let first = [left, low];
+    let corners = [first, [right, low], [right, high], [left, high], first];
+    series(Mark::Line(color, 1.0), corners)
 }
 
 /// A filled box between two corners, of an opacity from 0 to 1.
@@ -249,10 +243,8 @@ impl Series {
     }
 
     fn draw(&self, figure: &mut Figure, plane: &Plane) {
-        let places = self
-            .points
-            .iter()
-            .map(|point| point.ends.map(|end| plane.at(end)));
+        let places = self.points.iter();
+        let places = places.map(|point| point.ends.map(|end| plane.at(end)));
         match self.mark {
             Mark::Line(color, width) => figure.line(places.map(|[at, _]| at), color, width),
             // As one element: of hundreds it is a third as long.
@@ -297,13 +289,12 @@ impl Plot {
         let left = names.fold(LEFT, f64::max);
         let is_titled = !self.title.is_empty();
         let top = if is_titled { HEADING } else { 0.0 };
-        let lines: Vec<&[Panel]> = self.panels.chunks(columns).collect();
-        let heights = lines.iter().map(|line| {
+        let lines = self.panels.chunks(columns);
+        let heights = lines.clone().map(|line| {
             let heights = line.iter().map(Panel::outer_height);
             heights.fold(0.0, f64::max)
         });
-        let heights: Vec<f64> = heights.collect();
-        let height = top + heights.iter().sum::<f64>().max(OVER);
+        let height = top + heights.clone().sum::<f64>().max(OVER);
         let mut figure = Figure::new([self.width, height], &self.label);
         if is_titled {
             figure.title(TITLE, &self.title);
@@ -311,16 +302,11 @@ impl Plot {
             key(&mut figure, self.width - RIGHT, TITLE, first);
         }
         let mut upper = top;
-        for (line, height) in lines.iter().zip(heights) {
+        for (line, height) in lines.zip(heights) {
             for (k, panel) in line.iter().enumerate() {
                 let wide = self.width / columns as f64;
-                let x = wide * k as f64;
-                let edges = [
-                    x + left,
-                    upper + OVER,
-                    x + wide - RIGHT,
-                    upper + OVER + panel.height,
-                ];
+                let (x, y) = (wide * k as f64, upper + OVER);
+                let edges = [x + left, y, x + wide - RIGHT, y + panel.height];
                 panel.draw(&mut figure, edges, is_titled);
             }
             upper += height;
@@ -329,17 +315,21 @@ impl Plot {
     }
 }
 
+/// The chart of panels one below the other; `label` says in words what it shows.
+pub fn stacked(width: f64, label: String, panels: Vec<Panel>) -> String {
+    Plot {
+        label,
+        width,
+        panels,
+        ..Plot::default()
+    }
+    .draw()
+}
+
 impl Panel {
-    /// The chart that has this panel alone; `label` says in words what it shows.
+    /// The chart that has this panel alone.
     pub fn alone(self, width: f64, label: String) -> String {
-        let panels = vec![self];
-        let plot = Plot {
-            label,
-            width,
-            panels,
-            ..Plot::default()
-        };
-        plot.draw()
+        stacked(width, label, vec![self])
     }
 
     fn outer_height(&self) -> f64 {
@@ -440,6 +430,7 @@ fn key<'t>(
 struct Plane {
     x: Range<f64>,
     y: Range<f64>,
+    /// Left, top, right and bottom.
     edges: [f64; 4],
 }
 
@@ -453,20 +444,13 @@ impl Plane {
         )
     }
 
-    /// Least and greatest value of an axis.
-    fn ends(&self, axis: usize) -> [f64; 2] {
-        let range = if axis == 0 { &self.x } else { &self.y };
-        [range.start, range.end]
-    }
-
     /// Where a pair of values lies.
-    fn at(&self, values: [f64; 2]) -> Place {
+    fn at(&self, [x, y]: [f64; 2]) -> Place {
         let [left, top, right, bottom] = self.edges;
-        let [x, y] = [0, 1].map(|axis| {
-            let [low, high] = self.ends(axis);
-            let share = (values[axis] - low) / (high - low);
-            share.clamp(0.0, 1.0)
-        });
+        let share = |value: f64, range: &Range<f64>| {
+            ((value - range.start) / (range.end - range.start)).clamp(0.0, 1.0)
+        };
+        let (x, y) = (share(x, &self.x), share(y, &self.y));
         [left + x * (right - left), bottom - y * (bottom - top)]
     }
 }

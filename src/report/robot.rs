@@ -11,7 +11,7 @@ use sesc_model::chain::Body;
 use sesc_model::effects::about::{TargetKind, about};
 use sesc_model::effects::{Catalog, Target};
 use sesc_model::text::visible_lines;
-use sesc_model::tree::{Coordinate, Motion};
+use sesc_model::tree::Motion;
 
 /// Bytes of the data of a page: with its script they stay below 150 kB.
 const DATA_BYTES: usize = 128_000;
@@ -73,24 +73,19 @@ impl Marked {
         let marks = &mut self.marks;
         let mut any = false;
         for target in target.split(',') {
-            any |= match skeleton.carried_by(target) {
-                _ if target == Target::ALL_JOINTS => {
-                    !std::mem::replace(&mut marks.every_joint, true)
+            if target == Target::ALL_JOINTS {
+                any |= !std::mem::replace(&mut marks.every_joint, true);
+            } else if of_link && skeleton.body_of(target).is_some() {
+                any = true;
+                marks.links.push(target.to_string());
+            } else if let Some(body) = skeleton.carried_by(target) {
+                any = true;
+                let named = (body, target.to_string());
+                // Of two things said of a joint its name is written once.
+                if !marks.joints.contains(&named) {
+                    marks.joints.push(named);
                 }
-                _ if of_link && skeleton.body_of(target).is_some() => {
-                    marks.links.push(target.to_string());
-                    true
-                }
-                Some(body) => {
-                    let named = (body, target.to_string());
-                    // Of two things said of a joint its name is written once.
-                    if !marks.joints.contains(&named) {
-                        marks.joints.push(named);
-                    }
-                    true
-                }
-                None => false,
-            };
+            }
         }
         any
     }
@@ -147,35 +142,42 @@ impl<'a> Card<'a> {
             true => "all joints at zero",
             false => "the joints as they were read",
         };
+        let said = marked.sentence(nothing);
+        let caption =
+            format!("{said} Quartered disc: centre of mass by CAD, with its plumb line; {at}.");
+        let marks = marked.marks;
+        Card {
+            marks,
+            ..Card::new(skeleton, postures, caption)
+        }
+    }
+
+    /// The robot with nothing marked on it.
+    pub fn new(skeleton: &'a Skeleton, postures: Vec<Shown>, caption: String) -> Card<'a> {
         Card {
             skeleton,
             postures,
             apart: Vec::new(),
             beside: None,
-            caption: format!(
-                "{} Quartered disc: centre of mass by CAD, with its plumb line; {at}.",
-                marked.sentence(nothing)
-            ),
-            marks: marked.marks,
+            caption,
+            marks: Marks::default(),
             correction: Correction::default(),
         }
     }
 
     /// What `robot.html` takes.
     pub fn context(self) -> Value {
-        let cop = self
-            .postures
-            .iter()
-            .filter_map(|p| p.measured.or(p.planned));
+        let cop = self.postures.iter();
+        let cop = cop.filter_map(|p| p.measured.or(p.planned));
         let cop: Vec<[f64; 2]> = cop.collect();
         let cop = chosen(cop.len(), MOST).into_iter().map(|k| cop[k]);
         let shown = most_upright(&self.postures);
-        let all = || self.postures.iter().chain(&self.apart);
+        let each = || self.postures.iter().chain(&self.apart);
         let views = Pictured {
             skeleton: self.skeleton,
-            postures: match all().next().is_none() {
+            postures: match each().next().is_none() {
                 true => vec![&[]],
-                false => all().map(|p| p.q.as_slice()).collect(),
+                false => each().map(|p| p.q.as_slice()).collect(),
             },
             shown,
             cop: cop.collect(),
@@ -184,8 +186,14 @@ impl<'a> Card<'a> {
         .views();
         let mut data = json!({
             "bodies": bodies(self.skeleton),
-            "capsules": capsules(self.skeleton),
-            "joints": joints(self.skeleton),
+            // Body and ends of each, m.
+            "capsules": self.skeleton.capsules.iter()
+                .map(|own| json!([own.body, all(&own.ends[0], 5), all(&own.ends[1], 5)]))
+                .collect::<Vec<Json>>(),
+            // Name of each independent one, and whether it is prismatic.
+            "joints": self.skeleton.dofs.iter()
+                .map(|dof| json!([dof.joint, u8::from(dof.prismatic)]))
+                .collect::<Vec<Json>>(),
             "slider": self.postures.len(),
             "shown": shown,
             "names": self.correction.names,
@@ -197,14 +205,12 @@ impl<'a> Card<'a> {
                 .collect::<Vec<Json>>(),
         });
         let left = DATA_BYTES.saturating_sub(data.to_string().len());
-        let kept = within(all().map(posture).collect(), shown, left);
-        let on_slider = kept[..self.postures.len()].iter();
-        let on_slider = on_slider.filter(|posture| !posture.is_null()).count();
+        let kept = within(each().map(posture).collect(), shown, left);
         let wanted = self.postures.len();
-        let caption = match left_out(on_slider, wanted, self.skeleton.dofs.len()) {
-            Some(sentence) => format!("{} {sentence}", self.caption),
-            None => self.caption,
-        };
+        let on_slider = kept[..wanted].iter();
+        let on_slider = on_slider.filter(|posture| !posture.is_null()).count();
+        let left_out = left_out(on_slider, wanted, self.skeleton.dofs.len());
+        let left_out = left_out.map(|sentence| format!(" {sentence}"));
         match kept.is_empty() || is_large(on_slider, wanted) {
             true => data = json!({"postures": []}),
             false => data["postures"] = Json::from(kept),
@@ -212,8 +218,7 @@ impl<'a> Card<'a> {
         context! {
             views => views.map(Value::from_safe_string).to_vec(),
             beside => self.beside.map(Value::from_safe_string),
-            caption,
-            postures => self.postures.len(),
+            caption => self.caption + &left_out.unwrap_or_default(),
             data => Value::from_safe_string(inline_json(&data)),
         }
     }
@@ -244,18 +249,17 @@ fn is_large(kept: usize, wanted: usize) -> bool {
 
 /// What is said where a page has not all postures of its robot.
 fn left_out(kept: usize, wanted: usize, joints: usize) -> Option<String> {
-    if is_large(kept, wanted) {
-        return Some(format!(
+    match is_large(kept, wanted) {
+        true => Some(format!(
             "The robot stands still: what moves one of {joints} joints would make the page too \
              large."
-        ));
-    }
-    (kept < wanted).then(|| {
-        format!(
+        )),
+        false if kept < wanted => Some(format!(
             "The slider and pointing at dots show {kept} of the {wanted} postures: all of them \
              would make the page too large."
-        )
-    })
+        )),
+        false => None,
+    }
 }
 
 /// The posture whose joints are nearest to zero.
@@ -282,16 +286,12 @@ fn all<'v>(values: impl IntoIterator<Item = &'v f64>, digits: i32) -> Vec<Json> 
 /// of one, and the rest where it is zero.
 fn bodies(skeleton: &Skeleton) -> Vec<Json> {
     let of = |(body, com): (&Body, &[f64; 3])| {
-        let still = Coordinate {
-            dof: 0,
-            factor: 1.0,
-            offset: 0.0,
-        };
         let (kind, axis, by) = match body.motion {
-            Motion::Fixed => (0, [0.0; 3], still),
-            Motion::Revolute { axis, by } => (1, axis.into(), by),
-            Motion::Prismatic { axis, by } => (2, axis.into(), by),
+            Motion::Fixed => (0, [0.0; 3], None),
+            Motion::Revolute { axis, by } => (1, axis.into(), Some(by)),
+            Motion::Prismatic { axis, by } => (2, axis.into(), Some(by)),
         };
+        let by = by.map_or((0, 1.0, 0.0), |by| (by.dof, by.factor, by.offset));
         let numbers = |values: &[f64], digits: i32| json!(all(values, digits));
         let rotation: Vec<f64> = body.rotation().concat();
         let zero = || json!([0.0, 0.0, 0.0]);
@@ -301,37 +301,19 @@ fn bodies(skeleton: &Skeleton) -> Vec<Json> {
             ("rotation", numbers(&rotation, 9), numbers(&UNTURNED, 9)),
             ("anchor", numbers(&body.anchor(), 7), zero()),
             ("axis", numbers(&axis, 9), zero()),
-            ("joint", json!(by.dof), json!(0)),
-            ("factor", json!(by.factor), json!(1.0)),
-            ("offset", json!(by.offset), json!(0.0)),
+            ("joint", json!(by.0), json!(0)),
+            ("factor", json!(by.1), json!(1.0)),
+            ("offset", json!(by.2), json!(0.0)),
             ("mass", rounded(body.mass, 7), json!(0.0)),
             ("com", numbers(com, 7), zero()),
         ];
         let said = fields
             .into_iter()
             .filter(|(_, value, usual)| value != usual);
-        said.map(|(name, value, _)| (name.to_string(), value))
-            .collect()
+        let said = said.map(|(name, value, _)| (name.to_string(), value));
+        said.collect()
     };
     skeleton.bodies.iter().zip(&skeleton.coms).map(of).collect()
-}
-
-/// Body and ends of each capsule, m.
-fn capsules(skeleton: &Skeleton) -> Vec<Json> {
-    let of = |capsule: &sesc_identify::skeleton::Capsule| {
-        json!([
-            capsule.body,
-            all(&capsule.ends[0], 5),
-            all(&capsule.ends[1], 5)
-        ])
-    };
-    skeleton.capsules.iter().map(of).collect()
-}
-
-/// Name of each independent joint, and whether it is prismatic.
-fn joints(skeleton: &Skeleton) -> Vec<Json> {
-    let of = |dof: &sesc_model::tree::Dof| json!([dof.joint, u8::from(dof.prismatic)]);
-    skeleton.dofs.iter().map(of).collect()
 }
 
 fn posture(shown: &Shown) -> Json {
@@ -348,9 +330,8 @@ fn posture(shown: &Shown) -> Json {
         ("said", (!shown.said.is_empty()).then(|| json!(shown.said))),
     ];
     let known = fields.into_iter();
-    known
-        .filter_map(|(name, value)| Some((name.to_string(), value?)))
-        .collect()
+    let known = known.filter_map(|(name, value)| Some((name.to_string(), value?)));
+    known.collect()
 }
 
 /// The same with what is hidden in names spelled out, since the script shows them.
@@ -368,16 +349,12 @@ fn spelled_out(value: &Json) -> Json {
 
 /// JSON as the text of a script element: nothing in it ends the element or is markup.
 fn inline_json(value: &Json) -> String {
-    let mut out = String::new();
-    for c in spelled_out(value).to_string().chars() {
-        match c {
-            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
-                out.push_str(&format!("\\u{:04x}", u32::from(c)));
-            }
-            c => out.push(c),
-        }
-    }
-    out
+    let escaped = |c: char| match c {
+        '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => format!("\\u{:04x}", u32::from(c)),
+        c => c.to_string(),
+    };
+    let text = spelled_out(value).to_string();
+    text.chars().map(escaped).collect()
 }
 
 #[cfg(test)]

@@ -29,10 +29,8 @@ pub fn gathered(sentences: &[String], long: bool) -> Vec<String> {
     let mut kinds: Vec<(String, Vec<&String>)> = Vec::new();
     for sentence in sentences {
         let own = (!long && name(sentence).is_some()).then(|| kind(sentence));
-        match kinds
-            .iter_mut()
-            .find(|(kind, _)| own.as_ref() == Some(kind))
-        {
+        let mut known = kinds.iter_mut();
+        match known.find(|(kind, _)| own.as_ref() == Some(kind)) {
             Some((_, alike)) => alike.push(sentence),
             None => kinds.push((own.unwrap_or_default(), vec![sentence])),
         }
@@ -67,13 +65,8 @@ pub fn and_more(count: usize) -> String {
 /// Lines of a list: as many as there are with `long`.
 pub fn listed(lines: &[String], long: bool) -> String {
     let shown = if long { lines.len() } else { LISTED };
-    let mut out: String = lines
-        .iter()
-        .take(shown)
-        .map(|line| format!("{line}\n"))
-        .collect();
-    out += &and_more(lines.len().saturating_sub(shown));
-    out
+    let first = lines.iter().take(shown).map(|line| format!("{line}\n"));
+    first.collect::<String>() + &and_more(lines.len().saturating_sub(shown))
 }
 
 /// Space between columns.
@@ -93,6 +86,18 @@ impl Table {
             headers: headers.iter().map(ToString::to_string).collect(),
             rows: Vec::new(),
         }
+    }
+
+    /// A table of these rows.
+    pub fn of<const N: usize>(
+        headers: &[&str; N],
+        rows: impl IntoIterator<Item = [String; N]>,
+    ) -> Table {
+        let mut table = Table::new(headers);
+        for row in rows {
+            table.row(&row);
+        }
+        table
     }
 
     /// Append a row. Missing cells stay empty; more cells than headers are a mistake.
@@ -153,9 +158,7 @@ fn is_number(cell: &str) -> bool {
 
 /// Names come from files: a line break in one must not break the row.
 fn one_line(cell: &str) -> String {
-    cell.chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect()
+    cell.replace(char::is_control, " ")
 }
 
 /// Shown where a value is not a number.
@@ -167,15 +170,11 @@ pub fn mm(metres: f64) -> String {
     if !mm.is_finite() {
         return NO_NUMBER.to_string();
     }
-    let text = if mm.abs() < 9.995 {
-        format!("{mm:.2}")
-    } else {
-        format!("{mm:.1}")
-    };
-    // -0.00 is a rounding artefact.
-    match text.strip_prefix('-') {
-        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_string(),
-        _ => minus(&text),
+    let digits = if mm.abs() < 9.995 { 2 } else { 1 };
+    match format!("{mm:.digits$}").as_str() {
+        // A rounding artefact.
+        "-0.00" => "0.00".to_string(),
+        text => minus(text),
     }
 }
 

@@ -18,19 +18,15 @@ use sesc_identify::skeleton::Skeleton;
 fn card(skeleton: &Skeleton, health: &[Finding]) -> Value {
     let mut marked = Marked::default();
     for finding in health {
-        marked.point(
-            skeleton,
-            "",
-            &finding.target,
-            &in_words(finding.kind.name()),
-        );
+        let what = in_words(finding.kind.name());
+        marked.point(skeleton, "", &finding.target, &what);
     }
     let (nothing, postures) = ("No finding is about a joint.", Posed::of(health).shown());
     Card::standing(skeleton, marked, nothing, postures).context()
 }
 
 /// The page of such data of a robot on `support`, `samples` of so many `postures`; `drawn` is the
-/// robot where its URDF is at hand.
+/// robot.
 ///
 /// # Errors
 /// A fault of the page's template.
@@ -40,7 +36,7 @@ pub fn page(
     (samples, postures): (&SampleCount, u64),
     health: &[Finding],
     next: &[Worded],
-    drawn: Option<&Skeleton>,
+    drawn: &Skeleton,
 ) -> Result<String, Error> {
     let data = Data {
         lines: vec![
@@ -51,10 +47,10 @@ pub fn page(
         used: &[],
         postures: Vec::new(),
         health,
-        first_posed: drawn.map(|_| 0),
+        first_posed: Some(0),
     };
     let context = context! {
-        robot => drawn.map(|drawn| card(drawn, health)),
+        robot => card(drawn, health),
         support,
         data => data.context(),
         next => next_steps::context(next),

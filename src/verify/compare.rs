@@ -55,57 +55,53 @@ impl Compared<'_> {
     pub fn differences(&self, block: &Block) -> Differences {
         let (q, postures, differentiate) = (&block.q, block.postures, block.differentiate);
         let dof = self.dof;
-        let truths: Vec<Truth> = (0..postures)
-            .map(|k| {
-                let q = &q[k * dof..(k + 1) * dof];
-                match self.bent {
-                    Some(bent) => bent.truth(q, self.joints, differentiate),
-                    None => Truth::new(self.reference, q, self.joints, differentiate),
-                }
-            })
-            .collect();
+        let truth = |k: usize| {
+            let q = &q[k * dof..(k + 1) * dof];
+            match self.bent {
+                Some(bent) => bent.truth(q, self.joints, differentiate),
+                None => Truth::new(self.reference, q, self.joints, differentiate),
+            }
+        };
+        let truths: Vec<Truth> = (0..postures).map(truth).collect();
         let mut room = Vec::new();
         let unlike = velocities(dof);
-        let worst = |compares: &Compares| {
-            let Compares {
-                function,
-                params,
-                evaluator,
-                ..
-            } = compares;
-            if !differentiate && is_derivative(*function) {
+        let worst = |own: &Compares| {
+            if !differentiate && is_derivative(own.function) {
                 return 0.0;
             }
-            room.resize(postures * evaluator.width(), 0.0);
-            let rates = match function {
+            let width = own.evaluator.width();
+            room.resize(postures * width, 0.0);
+            let rates = match own.function {
                 Function::Zmp => &self.joints.rates,
                 _ => &unlike,
             };
             let motion = [rates, &self.joints.accelerations].map(|all| Values::Shared(all));
-            evaluator.run_moving_into(q, motion, postures, &mut room);
-            let rows = room.chunks(evaluator.width().max(1)).zip(&truths);
-            let errors = rows.map(|(values, truth)| truth.difference(*function, params, values));
+            own.evaluator
+                .run_moving_into(q, motion, postures, &mut room);
+            let rows = room.chunks(width.max(1)).zip(&truths);
+            let errors =
+                rows.map(|(values, truth)| truth.difference(own.function, &own.params, values));
             // A NaN must not slip through a maximum.
             errors.fold(0.0, |worst: f64, error| match error.is_nan() {
                 true => f64::INFINITY,
                 false => worst.max(error),
             })
         };
-        let worst = self.functions.iter().map(worst).collect();
-        let (mut left_out, mut settled) = (0.0_f64, true);
-        for q in q.chunks(dof.max(1)) {
-            if let Some(bent) = self.bent {
-                let (measured, most) = bent.left_out(q);
-                left_out = left_out.max(measured);
-                // Not so for what is not a number.
-                settled &= measured <= most + world::AT_REST;
-            }
+        let mut found = Differences {
+            worst: self.functions.iter().map(worst).collect(),
+            left_out: 0.0,
+            settled: true,
+        };
+        let bent = self.bent.iter().flat_map(|bent| {
+            let postures = q.chunks(dof.max(1));
+            postures.map(|q| bent.left_out(q))
+        });
+        for (measured, most) in bent {
+            found.left_out = found.left_out.max(measured);
+            // Not so for what is not a number.
+            found.settled &= measured <= most + world::AT_REST;
         }
-        Differences {
-            worst,
-            left_out,
-            settled,
-        }
+        found
     }
 }
 

@@ -52,20 +52,16 @@ pub(super) fn functions(model: &Model, bent: Option<&Bent>, reach: f64) -> Vec<C
     let compares =
         |(&((function, given), _), evaluator): (&((Function, Given), f64), Evaluator)| {
             let own = bent.map(|bent| beyond_rounding(model, function, bent.allowed_for_springs()));
-            let allowed = match allowed_by(&decided, function, given, &rounding) {
-                infinite if own.is_some() && infinite.is_infinite() => {
-                    UNPROVEN_M * magnified(model)
-                }
-                proven => proven,
-            };
+            let mut allowed = allowed_by(&decided, function, given, &rounding);
+            if own.is_some() && allowed.is_infinite() {
+                allowed = UNPROVEN_M * magnified(model);
+            }
             // Springs beside dead bands have bounds of millimetres, which are told by name.
             let is_of_use = own.is_some() || allowed <= USEFUL * reach;
-            let allowed = match is_of_use {
-                true => allowed,
-                // What is infinite or no number stays so, and fails.
-                false if allowed.is_finite() => UNPROVEN_OF_REACH * reach,
-                false => allowed,
-            };
+            // What is infinite or no number stays so, and fails.
+            if !is_of_use && allowed.is_finite() {
+                allowed = UNPROVEN_OF_REACH * reach;
+            }
             Compares {
                 name: function_name(function, given),
                 function,
@@ -129,14 +125,10 @@ fn allowed_by(
     given: Given,
     rounding: &dyn Fn(Function, Given) -> f64,
 ) -> f64 {
-    let snapped: f64 = model
-        .tree
-        .snaps
-        .iter()
-        .map(|snap| snap.com_error)
-        .sum::<f64>()
-        + model.base.regrouping_error;
-    let tilted: f64 = model.tree.snaps.iter().map(|snap| snap.angle_error).sum();
+    let snaps = model.tree.snaps.iter();
+    let tilted: f64 = snaps.clone().map(|snap| snap.angle_error).sum();
+    let snapped: f64 = snaps.map(|snap| snap.com_error).sum();
+    let snapped = snapped + model.base.regrouping_error;
     // The CoM that rows are compared by comes from no direction.
     let com = match given {
         Given::Direction => rounding(Function::Com, Given::SinesCosines),

@@ -26,16 +26,11 @@ pub struct JointMotion {
 impl JointMotion {
     /// With `share(j)` of what joint `j` may do.
     pub fn new(model: &Model, share: impl Fn(usize) -> f64) -> JointMotion {
-        let dofs = model.tree.dofs.iter().enumerate();
-        let (rates, accelerations): (Vec<f64>, Vec<f64>) = dofs
-            .map(|(j, dof)| {
-                let share = share(j);
-                (
-                    share.abs() * dof.moderate_speed(),
-                    share * dof.moderate_acceleration(),
-                )
-            })
-            .unzip();
+        let dofs = || model.tree.dofs.iter().enumerate();
+        let rates = dofs().map(|(j, dof)| share(j).abs() * dof.moderate_speed());
+        let rates: Vec<f64> = rates.collect();
+        let accelerations = dofs().map(|(j, dof)| share(j) * dof.moderate_acceleration());
+        let accelerations: Vec<f64> = accelerations.collect();
         let tie = model.largest_tie();
         let sum = |x: &[f64]| tie * x.iter().map(|x| x.abs()).sum::<f64>();
         let stir = sum(&accelerations) + 2.0 * sum(&rates).powi(2);
@@ -69,23 +64,19 @@ pub(super) fn velocities(dof: usize) -> Vec<f64> {
     (0..dof).map(|j| 1.0 / (1.0 + j as f64)).collect()
 }
 
-/// What the reference says of one posture.
+/// What the reference says of one posture; what is not known has no numbers.
+#[derive(Default)]
 pub(super) struct Truth {
     pub com: [f64; 3],
     /// The CoM that regressor rows give: of the robot with effects of the encoders alone.
     pub rows: [f64; 3],
     /// The CoP as the sensor reads it.
     pub cop: [f64; 2],
-    /// The ZMP as joints move, where it is known.
+    /// The ZMP as joints move.
     pub zmp: Option<[f64; 2]>,
-    /// What is taken by differences, where it was.
-    pub derivatives: Option<Derivatives>,
-}
-
-/// Derivatives with respect to what encoders read, row-major.
-pub(super) struct Derivatives {
-    pub com: Vec<f64>,
-    pub cop: Vec<f64>,
+    /// Derivatives with respect to what encoders read, row-major, where they were taken.
+    pub com_jacobian: Vec<f64>,
+    pub cop_jacobian: Vec<f64>,
     pub moments: Vec<f64>,
 }
 
@@ -96,27 +87,22 @@ impl Truth {
         joints: &JointMotion,
         differentiate: bool,
     ) -> Truth {
-        let com = reference.com(q);
-        let derivatives = differentiate.then(|| {
+        let com: [f64; 3] = reference.com(q).into();
+        let zmp = reference.zmp(q, &joints.rates, &joints.accelerations);
+        let mut truth = Truth {
+            com,
+            rows: com,
+            cop: [com[0], com[1]],
+            zmp: Some(zmp.into()),
+            ..Truth::default()
+        };
+        if differentiate {
             let jacobian = reference.com_jacobian(q).transpose();
-            let moments = -jacobian.column(2);
-            Derivatives {
-                com: jacobian.as_slice().to_vec(),
-                cop: jacobian.as_slice()[..2 * q.len()].to_vec(),
-                moments: moments.as_slice().to_vec(),
-            }
-        });
-        Truth {
-            com: [com.x, com.y, com.z],
-            rows: [com.x, com.y, com.z],
-            cop: [com.x, com.y],
-            zmp: Some(
-                reference
-                    .zmp(q, &joints.rates, &joints.accelerations)
-                    .into(),
-            ),
-            derivatives,
+            truth.com_jacobian = jacobian.as_slice().to_vec();
+            truth.cop_jacobian = jacobian.as_slice()[..2 * q.len()].to_vec();
+            truth.moments = jacobian.column(2).iter().map(|x| -x).collect();
         }
+        truth
     }
 
     /// Largest difference between `values` of `function` and the truth, m; of rows by what
@@ -125,26 +111,19 @@ impl Truth {
         let times = |row: &[f64]| -> f64 { row.iter().zip(params).map(|(a, b)| a * b).sum() };
         let explained =
             |rows: &[f64]| -> Vec<f64> { rows.chunks(params.len().max(1)).map(times).collect() };
-        match (function, &self.derivatives) {
-            (Function::Com, _) => largest(values, &self.com),
-            (Function::Cop, _) => largest(values, &self.cop),
-            (Function::Zmp, _) => self.zmp.map_or(0.0, |zmp| largest(values, &zmp)),
+        match function {
+            Function::Com => largest(values, &self.com),
+            Function::Cop => largest(values, &self.cop),
+            Function::Zmp => largest(values, self.zmp.as_slice().as_flattened()),
             // Not of a posture: nothing to compare.
-            (Function::CorrectCop, _) => 0.0,
-            (Function::Regressor | Function::RegressorCop | Function::RegressorFull, _) => {
+            Function::CorrectCop => 0.0,
+            Function::Regressor | Function::RegressorCop | Function::RegressorFull => {
                 largest(&explained(values), &self.rows)
             }
-            (Function::ComJacobian, Some(by)) => largest(values, &by.com),
-            (Function::CopJacobian, Some(by)) => largest(values, &by.cop),
-            (Function::GravityMoments, Some(by)) => largest(values, &by.moments),
-            (Function::ComVelocity, Some(by)) => largest(values, &explained(&by.com)),
-            (
-                Function::ComJacobian
-                | Function::CopJacobian
-                | Function::ComVelocity
-                | Function::GravityMoments,
-                None,
-            ) => 0.0,
+            Function::ComJacobian => largest(values, &self.com_jacobian),
+            Function::CopJacobian => largest(values, &self.cop_jacobian),
+            Function::GravityMoments => largest(values, &self.moments),
+            Function::ComVelocity => largest(values, &explained(&self.com_jacobian)),
         }
     }
 }

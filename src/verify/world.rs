@@ -18,7 +18,7 @@ use sesc_model::formula::Variable;
 use sesc_model::{Function, Model};
 use sesc_reference::{ErrorKind, GRAVITY, Place, Reference, World};
 
-use super::motion::{Derivatives, JointMotion, Truth};
+use super::motion::{JointMotion, Truth};
 use crate::Error;
 use sesc_identify::robot::Robot;
 
@@ -72,11 +72,10 @@ impl Bent {
         let cells = model.file.as_ref().map_or(&[][..], |file| &file.cells);
         let of_cells = has(&|r| r.instance.effect.stage() == Stage::Cells);
         let world = |acts: &dyn Fn(&Record) -> bool, cells: &[[f64; 2]]| {
-            let world = World::new(&read, support)?;
-            let world = match cells.is_empty() {
-                true => world,
-                false => world.cells(cells)?,
-            };
+            let mut world = World::new(&read, support)?;
+            if !cells.is_empty() {
+                world = world.cells(cells)?;
+            }
             let mut acting = records.iter().filter(|record| acts(record));
             acting.try_fold(world, |world, record| {
                 with_effect(world, model, record.instance, &record.values)
@@ -103,7 +102,9 @@ impl Bent {
             },
             loose: (
                 world(&|r| of_body(r) && !r.is_dead_band(), &[])?,
-                slack(model, &records),
+                by_joint(model, &records, |r| {
+                    r.is_dead_band().then(|| 0.5 * r.values[0])
+                }),
             ),
             most_left_out: left_out(model, &records, weight),
             weight,
@@ -152,26 +153,28 @@ impl Bent {
 
     /// How far the CoM of a posture is from where it rests, m, and how far it may be.
     pub(super) fn left_out(&self, q: &[f64]) -> (f64, f64) {
-        let measured = match &self.at_rest {
-            Some(at_rest) => (at_rest.com(q) - self.body.com(q)).norm(),
-            None => self.most_left_out,
-        };
-        (measured, self.most_left_out)
+        let measured = self.at_rest.as_ref();
+        let measured = measured.map(|at_rest| (at_rest.com(q) - self.body.com(q)).norm());
+        (measured.unwrap_or(self.most_left_out), self.most_left_out)
     }
 
     /// What it says of one posture.
     pub(super) fn truth(&self, q: &[f64], joints: &JointMotion, differentiate: bool) -> Truth {
-        Truth {
-            zmp: differentiate.then(|| self.zmp(q, joints)).flatten(),
+        let mut truth = Truth {
             com: self.body.com(q).into(),
             rows: self.encoders.com(q).into(),
             cop: self.cop.cop(q),
-            derivatives: differentiate.then(|| Derivatives {
-                com: jacobian(q, |q| self.body.com(q).into()),
-                cop: jacobian(q, |q| self.cop.cop(q)),
-                moments: self.moments(q),
-            }),
+            ..Truth::default()
+        };
+        if differentiate {
+            truth.zmp = self.zmp(q, joints);
+            truth.com_jacobian = jacobian(q, |q| self.body.com(q).into());
+            truth.cop_jacobian = jacobian(q, |q| self.cop.cop(q));
+            // Moments of gravity over the weight, m.
+            let moments = self.body.joint_moments(q).into_iter();
+            truth.moments = moments.map(|moment| moment / self.weight).collect();
         }
+        truth
     }
 
     /// The ZMP as encoders move: of where the joints are then, by differences of sixth order.
@@ -179,8 +182,7 @@ impl Bent {
     fn zmp(&self, q: &[f64], joints: &JointMotion) -> Option<[f64; 2]> {
         let path = |k: i32| {
             let t = f64::from(k) * INTERVAL_S;
-            let moved = joints.rates.iter().zip(&joints.accelerations);
-            let moved = q.iter().zip(moved);
+            let moved = q.iter().zip(joints.rates.iter().zip(&joints.accelerations));
             let at: Vec<f64> = moved.map(|(q, (v, a))| q + t * (v + 0.5 * t * a)).collect();
             self.is_decided(&at).then(|| self.body.true_posture(&at))
         };
@@ -195,12 +197,6 @@ impl Bent {
             180.0 * INTERVAL_S * INTERVAL_S,
         );
         Some(self.moving.zmp(&path[3], &rates, &gains).into())
-    }
-
-    /// Moments of gravity over the weight, m.
-    fn moments(&self, q: &[f64]) -> Vec<f64> {
-        let moments = self.body.joint_moments(q);
-        moments.iter().map(|moment| moment / self.weight).collect()
     }
 }
 
@@ -237,15 +233,13 @@ impl Record<'_> {
         let context = EffectContext::new(model, cells, false, Catalog::standard());
         let records = model.file.iter().flat_map(|file| &file.effects);
         let pairs = records.zip(model.effects.iter().map(|(instance, _)| instance));
+        let pairs = pairs.filter(|(_, instance)| instance.effect.is_static());
         pairs
-            .filter(|(_, instance)| instance.effect.is_static())
             .map(|(record, instance)| {
                 let parameters = instance.effect.parameters(&context, &instance.target);
                 let value = |name: &str| record.parameters.get(name).map_or(0.0, |x| x.value);
-                Record {
-                    values: parameters.iter().map(|p| value(p.name)).collect(),
-                    instance,
-                }
+                let values = parameters.iter().map(|p| value(p.name)).collect();
+                Record { values, instance }
             })
             .collect()
     }
@@ -264,31 +258,23 @@ impl Record<'_> {
     }
 }
 
-/// Half the width of each joint's dead band, rad.
-fn slack(model: &Model, records: &[Record]) -> Vec<f64> {
-    let mut half = vec![0.0; model.dof()];
-    for record in records.iter().filter(|record| record.is_dead_band()) {
+/// What effects add up to at each joint.
+fn by_joint(model: &Model, records: &[Record], of: fn(&Record) -> Option<f64>) -> Vec<f64> {
+    let mut sums = vec![0.0; model.dof()];
+    for record in records {
         for j in record.instance.target.revolute(model) {
-            half[j] += 0.5 * record.values[0];
+            sums[j] += of(record).unwrap_or(0.0);
         }
     }
-    half
+    sums
 }
 
 /// What four rounds of the springs' fixed point leave out, m.
 fn left_out(model: &Model, records: &[Record], weight: f64) -> f64 {
-    let mut compliance = vec![0.0; model.dof()];
-    for record in records.iter().filter(|record| record.is_spring()) {
-        for j in record.instance.target.revolute(model) {
-            compliance[j] += 1.0 / record.values[0];
-        }
-    }
-    let (sum, most) = compliance
-        .iter()
-        .fold((0.0, 0.0), |(sum, most): (f64, f64), x| {
-            (sum + x, most.max(*x))
-        });
-    let softness = weight * model.reach() * sum.min(3.0 * most);
+    let compliance = |r: &Record| r.is_spring().then(|| 1.0 / r.values[0]);
+    let compliance = by_joint(model, records, compliance).into_iter();
+    let most = compliance.clone().fold(0.0, f64::max);
+    let softness = weight * model.reach() * compliance.sum::<f64>().min(3.0 * most);
     let springs = model.reach() * softness.powi(model.rounds as i32 + 1);
     // Functions of moments: what a model file may leave out.
     let of_functions = |r: &Record| r.yields() && !r.is_spring();
@@ -346,12 +332,11 @@ pub fn with_effect(
     }
     let name = instance.effect.id().name();
     let known = place(robot, &instance.target).map(|place| world.named(name, place, values));
+    let unknown =
+        |refused: &sesc_reference::Error| refused.kind() == ErrorKind::UnknownImperfection;
     match known {
-        Some(Ok(world)) => Ok(world),
-        Some(Err(refused)) if refused.kind() != ErrorKind::UnknownImperfection => {
-            Err(refused.into())
-        }
-        None | Some(Err(_)) => Err(Error::Usage(format!(
+        Some(known) if !known.as_ref().is_err_and(unknown) => Ok(known?),
+        _ => Err(Error::Usage(format!(
             "the virtual robot has no effect `{name}` to compare with; verify the model without it"
         ))),
     }
@@ -367,26 +352,27 @@ fn with_function(
     values: &[f64],
 ) -> Option<Result<World, sesc_reference::Error>> {
     let (world, values) = (world.clone(), values.to_vec());
-    let names: Vec<String> = robot
-        .tree
-        .dofs
-        .iter()
-        .map(|dof| dof.joint.clone())
-        .collect();
-    let own = match instance.target {
-        Target::Joint(joint) => joint,
-        _ => 0,
-    };
-    let place = move |name: &Option<String>| match name {
-        Some(name) => names.iter().position(|known| known == name).unwrap_or(0),
-        None => own,
-    };
     let usual = |variable: &Variable| composed.about(variable).1;
+    let constant = composed.value(&values, &usual);
+    let of_parameters = values.clone();
+    let of_reading = move |reading: [f64; 2]| {
+        composed.value(&of_parameters, &|variable| match variable {
+            Variable::Reading(axis) => reading[*axis],
+            other => usual(other),
+        })
+    };
     let axis = usize::from(instance.target == Target::Way("y"));
     let (definition, target) = (composed.definition(), &instance.target);
     Some(match (definition.site, target) {
-        (Site::Joint, Target::Joint(joint)) => {
-            world.joint_function(&robot.tree.dofs[*joint].joint, move |q, moments| {
+        (Site::Joint, &Target::Joint(own)) => {
+            let names = robot.tree.dofs.iter().map(|dof| dof.joint.clone());
+            let names: Vec<String> = names.collect();
+            let joint = names[own].clone();
+            let place = move |name: &Option<String>| match name {
+                Some(name) => names.iter().position(|known| known == name).unwrap_or(0),
+                None => own,
+            };
+            world.joint_function(&joint, move |q, moments| {
                 composed.value(&values, &|variable| match variable {
                     Variable::Position(name) => q[place(name)],
                     Variable::Moment(name) => moments[place(name)],
@@ -394,29 +380,15 @@ fn with_function(
                 })
             })
         }
-        (Site::Sensor, _) => Ok(world.sensor_function(axis, move |reading| {
-            composed.value(&values, &|variable| match variable {
-                Variable::Reading(axis) => reading[*axis],
-                other => usual(other),
-            })
-        })),
-        (Site::Ground, _) if composed.reads_cop() => Ok(world.ground_function(axis, move |cop| {
-            composed.value(&values, &|variable| match variable {
-                Variable::Reading(axis) => cop[*axis],
-                other => usual(other),
-            })
-        })),
-        (Site::Ground, _) => Ok(world.ground_error(axis, composed.value(&values, &usual))),
+        (Site::Sensor, _) => Ok(world.sensor_function(axis, of_reading)),
+        (Site::Ground, _) if composed.reads_cop() => Ok(world.ground_function(axis, of_reading)),
+        (Site::Ground, _) => Ok(world.ground_error(axis, constant)),
         (Site::Load, Target::Link(link)) => {
             let link = &robot.tree.links[*link];
-            let at = definition.at.unwrap_or(link.com());
-            world.payload(&link.name, composed.value(&values, &usual), at)
+            world.payload(&link.name, constant, definition.at.unwrap_or(link.com()))
         }
-        (Site::Cell, Target::Cell(cell)) => {
-            if composed.reads_cop() {
-                return None;
-            }
-            world.cell_offset(cell + 1, composed.value(&values, &usual))
+        (Site::Cell, Target::Cell(cell)) if !composed.reads_cop() => {
+            world.cell_offset(cell + 1, constant)
         }
         _ => return None,
     })

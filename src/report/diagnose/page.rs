@@ -1,7 +1,5 @@
 //! The page of `sesc diagnose --report`.
 
-use std::path::Path;
-
 use minijinja::value::{Serde, Value};
 use minijinja::{Error, context};
 
@@ -9,12 +7,12 @@ use super::{DiagnoseReport, ModelUse, effect, parameters, servo, where_to};
 use crate::report::data::{Data, visits};
 use crate::report::figures::diagnose as figures;
 use crate::report::health::Posed;
-use crate::report::html::render;
+use crate::report::html::{file_name, render};
 use crate::report::origin::Origin;
-use crate::report::robot::{Card, Correction, Marked, Shown};
+use crate::report::robot::{Card, Correction, Marked};
 use crate::report::table::{count, mm};
 use crate::report::{next_steps, soles};
-use sesc_identify::diagnose::view::{DiagnosisView, Posture};
+use sesc_identify::diagnose::view::DiagnosisView;
 use sesc_identify::diagnose::{ActsOn, Blind, CLASS_SCORE, Diagnosis, OVER_NOTHING, Step, Verdict};
 use sesc_identify::skeleton::Skeleton;
 use sesc_model::ModelFile;
@@ -36,7 +34,8 @@ pub fn page(
 ) -> Result<String, Error> {
     let found = report.found;
     let figure = Value::from_safe_string;
-    let apart = view.differences.len() > 1;
+    let predicted = (!view.predicted.is_empty()).then(|| figures::predicted(&view.predicted));
+    let confusion = (view.differences.len() > 1).then(|| figures::confusion(&view.differences));
     let poses = found.outliers.iter().take(POSES);
     let context = context! {
         found => Serde(found),
@@ -63,10 +62,10 @@ pub fn page(
         bearing => spots(&found.detectable),
         separations => found.next_postures.experiments.iter().take(EXPERIMENTS)
             .map(|own| separations(&own.separations)).collect::<Vec<String>>(),
-        next_file => file_name(found),
+        next_file => found.next_postures.file.as_deref().map(file_name),
         next => next_steps::context(report.next_steps),
         where_to => where_to(found.verdict),
-        model_use => report.model_use.as_ref().and_then(model_use),
+        model_use => report.model_use.as_ref().map(model_use),
         rest => view.trends_of_rest,
         named => view.by_position.iter().any(|trend| trend.named),
         rms => view.spread.rms.to_vec(),
@@ -76,20 +75,14 @@ pub fn page(
             waterfall => figure(figures::waterfall(&view.stages)),
             course => figure(figures::course(&view.postures)),
             arrows => figures::arrows(view).map(figure).to_vec(),
-            predicted => match view.predicted.is_empty() {
-                true => Value::from(()),
-                false => figure(figures::predicted(&view.predicted)),
-            },
+            predicted => predicted.map(figure),
             by_position => figure(figures::trends(&view.by_position, "joint position")),
             by_moment => figure(figures::trends(&view.by_moment, "gravity moment")),
             rest => figure(figures::rest(view)),
             regions_before => figure(figures::regions(&view.regions, false)),
             regions_after => figure(figures::regions(&view.regions, true)),
             spread => figure(figures::spread(&view.spread)),
-            confusion => match apart {
-                true => figure(figures::confusion(&view.differences)),
-                false => Value::from(()),
-            },
+            confusion => confusion.map(figure),
         },
     };
     render("diagnose.html", context)
@@ -97,24 +90,21 @@ pub fn page(
 
 /// What came in.
 fn data<'a>(found: &'a Diagnosis, view: &'a DiagnosisView) -> Data<'a> {
-    let mut lines = vec![("rows", found.samples.sentence())];
-    lines.push((
-        "postures",
-        match (found.postures_used < found.postures, found.samples.rows) {
-            (true, _) => format!(
-                "{}, {} of them used, evenly chosen",
-                found.postures, found.postures_used
-            ),
-            (_, rows) if rows > found.postures => {
-                let each = rows as f64 / found.postures.max(1) as f64;
-                format!("{}, {each:.1} rows each", found.postures)
-            }
-            _ => format!("{}, a row each", found.postures),
-        },
-    ));
-    lines.push(("visits", visits(found.visits.as_ref())));
+    let (postures, used, rows) = (found.postures, found.postures_used, found.samples.rows);
+    let said = match used < postures {
+        true => format!("{postures}, {used} of them used, evenly chosen"),
+        false if rows > postures => {
+            let each = rows as f64 / postures.max(1) as f64;
+            format!("{postures}, {each:.1} rows each")
+        }
+        false => format!("{postures}, a row each"),
+    };
     Data {
-        lines,
+        lines: vec![
+            ("rows", found.samples.sentence()),
+            ("postures", said),
+            ("visits", visits(found.visits.as_ref())),
+        ],
         dofs: &view.skeleton.dofs,
         used: &view.used,
         postures: view.postures.iter().map(|row| row.q.as_slice()).collect(),
@@ -139,9 +129,9 @@ fn headline(found: &Diagnosis, view: &DiagnosisView) -> String {
         Verdict::Named => format!("The simulation misses {subjects}"),
         Verdict::Class => format!(
             "The simulation misses {subjects}, or {}",
-            match found.class.len().saturating_sub(1) {
-                1 => "the other explanation that looks alike".to_string(),
-                n => format!("one of {n} others that look alike"),
+            match found.class.len() {
+                2 => "the other explanation that looks alike".to_string(),
+                n => format!("one of {} others that look alike", n.saturating_sub(1)),
             }
         ),
         Verdict::TooShort => "The log is too short to tell noise from a fault".to_string(),
@@ -189,14 +179,14 @@ fn spots(all: &[Blind]) -> Vec<Value> {
 }
 
 /// How the model file is used, without the folders of this machine.
-fn model_use(model_use: &ModelUse) -> Option<Value> {
-    let file = Path::new(&model_use.model).file_name()?.to_string_lossy();
-    let plain = |text: &str| text.replace(&model_use.model, &file);
-    Some(context! {
+fn model_use(model_use: &ModelUse) -> Value {
+    let file = file_name(&model_use.model);
+    let plain = |text: &str| text.replace(&model_use.model, file);
+    context! {
         build_rs => plain(&model_use.build_rs),
         generate => plain(&model_use.generate),
         c => model_use.c,
-    })
+    }
 }
 
 /// Each explanation with the odds against it, the best one's being even.
@@ -211,23 +201,14 @@ fn class(found: &Diagnosis) -> Vec<Value> {
     found.class.iter().map(row).collect()
 }
 
-/// Without the folders of this machine.
-fn file_name(found: &Diagnosis) -> Option<String> {
-    let path = Path::new(found.next_postures.file.as_ref()?);
-    Some(path.file_name()?.to_string_lossy().into_owned())
-}
-
 /// χ² against each explanation but the first.
 fn separations(chi2: &[f64]) -> String {
     let shown = chi2.iter().take(MEMBERS).map(|x| match x.is_finite() {
         true => format!("{x:.0}"),
         false => "–".to_string(),
     });
-    let mut text = shown.collect::<Vec<_>>().join(", ");
-    if chi2.len() > MEMBERS {
-        text.push_str(", …");
-    }
-    text
+    let more = (chi2.len() > MEMBERS).then(|| "…".to_string());
+    shown.chain(more).collect::<Vec<_>>().join(", ")
 }
 
 // The robot of a diagnosis: what is suspected is marked on it.
@@ -242,14 +223,6 @@ pub fn card<'a>(found: &Diagnosis, view: &'a DiagnosisView) -> Card<'a> {
         true => "No joint, link or cell is suspected.",
         false => "What is suspected is no joint and no link: sensor, ground or masses.",
     });
-    let shown = |row: &Posture| Shown {
-        pose: row.pose,
-        q: row.q.clone(),
-        measured: Some(row.measured),
-        predicted: Some([row.simulated, row.corrected]),
-        outlier: row.outlier,
-        ..Shown::default()
-    };
     let postures = view.postures.len();
     let caption = format!(
         "{suspects} Quartered disc: centre of mass, with its plumb line; dots on the floor: CoP of \
@@ -258,7 +231,7 @@ pub fn card<'a>(found: &Diagnosis, view: &'a DiagnosisView) -> Card<'a> {
     );
     Card {
         skeleton: &view.skeleton,
-        postures: view.postures.iter().map(shown).collect(),
+        postures: figures::postures(view),
         apart: Posed::of(&found.health).shown(),
         beside: Some(figures::arrows_beside(view, &cells)),
         caption,
@@ -273,23 +246,24 @@ pub fn card<'a>(found: &Diagnosis, view: &'a DiagnosisView) -> Card<'a> {
 
 /// Name, value and unit of what was found.
 fn values(steps: &[Step]) -> Vec<(String, f64, &'static str)> {
-    let all = steps.iter().flat_map(|step| {
-        step.parameters
-            .iter()
-            .enumerate()
-            .map(move |(k, (name, quantity))| {
-                let (factor, unit) = Unit::of(name).shown();
-                let subject = match (step.target.as_str(), step.parameters.len()) {
-                    (_, several) if several > 1 && k > 0 => Unit::stem(name),
-                    ("-", 1) => effect(step),
-                    ("-", _) => format!("{}: {}", effect(step), Unit::stem(name)),
-                    (target, 1) => format!("{} {target}", effect(step)),
-                    (target, _) => format!("{} {target}: {}", effect(step), Unit::stem(name)),
-                };
-                (subject, factor * quantity.value, unit)
-            })
-    });
-    all.take(NAMED).collect()
+    let mut all = Vec::new();
+    for step in steps {
+        for (k, (name, quantity)) in step.parameters.iter().enumerate() {
+            let (factor, unit) = Unit::of(name).shown();
+            let effect = match step.target.as_str() {
+                "-" => effect(step),
+                target => format!("{} {target}", effect(step)),
+            };
+            let subject = match (k, step.parameters.len()) {
+                (_, 1) => effect,
+                (0, _) => format!("{effect}: {}", Unit::stem(name)),
+                _ => Unit::stem(name),
+            };
+            all.push((subject, factor * quantity.value, unit));
+        }
+    }
+    all.truncate(NAMED);
+    all
 }
 
 /// What the explanation names, on the robot, and its cells.

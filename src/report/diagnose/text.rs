@@ -44,41 +44,35 @@ pub fn text(report: &DiagnoseReport<'_>, long: bool) -> String {
 }
 
 fn steps(found: &Diagnosis) -> Table {
-    let mut table = Table::new(&[
+    let titles = [
         "effect",
         "target",
         "parameters",
         "before, mm",
         "after, mm",
         "evidence",
-    ]);
-    for step in &found.steps {
-        table.row(&[
-            step.effect.to_string(),
-            step.target.clone(),
-            parameters(step).join(", "),
-            mm(step.rmse_before),
-            mm(step.rmse_after),
-            format!("{:.0}", step.evidence),
-        ]);
-    }
-    table
+    ];
+    let rows = found.steps.iter().map(|step| {
+        let [before, after] = [step.rmse_before, step.rmse_after].map(mm);
+        let (effect, target) = (step.effect.to_string(), step.target.clone());
+        let (parameters, evidence) = (parameters(step).join(", "), format!("{:.0}", step.evidence));
+        [effect, target, parameters, before, after, evidence]
+    });
+    Table::of(&titles, rows)
 }
 
 fn class(found: &Diagnosis, long: bool) -> String {
-    let mut table = Table::new(&[
+    let titles = [
         "score difference",
         "CoM apart, mm",
         "these data cannot tell apart",
-    ]);
-    for member in &found.class {
-        table.row(&[
-            format!("{:.1}", member.score_difference),
-            member.com_apart.map_or("–".to_string(), mm),
-            member.subjects.clone(),
-        ]);
-    }
-    table.listed(long)
+    ];
+    let rows = found.class.iter().map(|member| {
+        let difference = format!("{:.1}", member.score_difference);
+        let apart = member.com_apart.map_or("–".to_string(), mm);
+        [difference, apart, member.subjects.clone()]
+    });
+    Table::of(&titles, rows).listed(long)
 }
 
 fn facts(found: &Diagnosis) -> String {
@@ -105,10 +99,9 @@ fn facts(found: &Diagnosis) -> String {
         found.closure.as_ref(),
         found.visits.as_ref(),
     ));
-    let another = if found.steps.is_empty() {
-        ""
-    } else {
-        "another "
+    let another = match found.steps.is_empty() {
+        true => "",
+        false => "another ",
     };
     let prior = &found.prior;
     let masses = format!("take {another}{absorbed} mm of the gap; prior {prior}");
@@ -124,10 +117,8 @@ fn facts(found: &Diagnosis) -> String {
 fn changes(report: &DiagnoseReport<'_>) -> String {
     let mut out = String::new();
     let mut fact = |name: &str, text: &str| {
-        for (k, line) in text.lines().enumerate() {
-            let name = if k == 0 { name } else { "" };
-            let _ = writeln!(out, "{name:<16} {line}");
-        }
+        let text = text.replace('\n', &format!("\n{INDENT}"));
+        let _ = writeln!(out, "{name:<16} {text}");
     };
     for step in &report.found.steps {
         let remedy = &step.remedy;
@@ -136,11 +127,11 @@ fn changes(report: &DiagnoseReport<'_>) -> String {
             fact("  servo", &servo);
         }
         if let Some(urdf) = &remedy.urdf {
-            let place = format!("  URDF line {}", urdf.line);
-            match urdf.before.is_empty() {
-                true => fact(&place, "new"),
-                false => fact(&place, &urdf.before),
-            }
+            let before = Some(&*urdf.before).filter(|before| !before.is_empty());
+            fact(
+                &format!("  URDF line {}", urdf.line),
+                before.unwrap_or("new"),
+            );
             fact("  becomes", &urdf.after);
         }
         if let Some(reason) = &remedy.not_in_urdf {

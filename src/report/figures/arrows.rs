@@ -2,32 +2,29 @@
 //! where it was measured.
 
 use super::super::plot::{Mark, Panel, Point, outline, series, span};
+use super::super::robot::Shown;
 use super::super::svg::{Anchor, BAND, Color, INK, MUTED, ORANGE, SMALL};
 use super::super::table::mm;
 use super::{HALF, to_mm};
 
-/// One reading and what was predicted there, m.
-pub struct Gap {
-    pub measured: [f64; 2],
-    /// Before and after the correction.
-    pub predicted: [[f64; 2]; 2],
-    pub outlier: bool,
-}
-
 /// The arrows of both figures, before and after the correction.
-pub struct Arrows {
-    pub gaps: Vec<Gap>,
+#[derive(Default)]
+pub struct Arrows<'a> {
+    /// Postures with what was read and predicted.
+    pub postures: Vec<Shown>,
     /// RMS length before and after, m.
     pub rms: [f64; 2],
     /// Opposite corners of the foot, m, where they are known.
     pub foot: Option<[[f64; 2]; 2]>,
     /// Outline of the sole, m; empty where it is not known.
-    pub sole: Vec<[f64; 2]>,
-    /// Cells of the foot, m, and whether one is meant.
-    pub cells: Vec<([f64; 2], bool)>,
+    pub sole: &'a [[f64; 2]],
+    /// Cells of the foot, m.
+    pub cells: &'a [[f64; 2]],
+    /// Those that are meant.
+    pub meant: &'a [usize],
 }
 
-impl Arrows {
+impl Arrows<'_> {
     /// Draw the arrows before (0) or after (1) the correction; both figures have the
     /// same scale.
     pub fn draw(&self, which: usize, title: &str, color: Color) -> String {
@@ -40,24 +37,35 @@ impl Arrows {
         self.figure(0, title, ORANGE, true)
     }
 
+    /// Where arrows end, and where those begin that are drawn `gain` times as long, before and
+    /// after the correction, mm.
+    fn ends(&self, gain: f64) -> impl Iterator<Item = ([f64; 2], [[f64; 2]; 2])> {
+        let known = self
+            .postures
+            .iter()
+            .filter_map(|own| Some((own.measured?, own.predicted?)));
+        known.map(move |(to, predicted)| {
+            let tail = |from: [f64; 2]| {
+                [0, 1].map(|axis| to_mm(to[axis] + gain * (from[axis] - to[axis])))
+            };
+            (to.map(to_mm), predicted.map(tail))
+        })
+    }
+
     fn figure(&self, which: usize, title: &str, color: Color, beside: bool) -> String {
         let gain = self.gain();
-        let tail = |gap: &Gap, which: usize| {
-            let [from, to] = [gap.predicted[which], gap.measured];
-            [0, 1].map(|axis| to_mm(to[axis] + gain * (from[axis] - to[axis])))
-        };
         let reach = |axis: usize| {
-            let ends = self.gaps.iter().flat_map(move |gap| {
-                let tails = [0, 1].map(|which| tail(gap, which)[axis]);
-                [to_mm(gap.measured[axis]), tails[0], tails[1]]
-            });
-            let foot = self.foot.iter().flatten().chain(&self.sole);
-            Some(span(ends.chain(foot.map(move |at| to_mm(at[axis])))))
+            let ends = self
+                .ends(gain)
+                .flat_map(|(tip, [before, after])| [tip, before, after]);
+            let foot = self.foot.iter().flatten().chain(self.sole);
+            let all = ends.chain(foot.map(|at| at.map(to_mm)));
+            Some(span(all.map(|at| at[axis])))
         };
-        let numbered = self.gaps.iter().enumerate();
-        let tip = |k: usize, gap: &Gap| Point::posture(k, gap.measured.map(to_mm));
-        let outliers = self.gaps.iter().filter(|gap| gap.outlier);
-        let outliers = outliers.map(|gap| Point::from(gap.measured.map(to_mm)));
+        let outliers = self.postures.iter().zip(self.ends(gain));
+        let outliers = outliers
+            .filter(|(own, _)| own.outlier)
+            .map(|(_, (tip, _))| tip);
         // Of two axes.
         let rms = mm(self.rms[which] / 2.0_f64.sqrt());
         let said = match gain > 1.0 {
@@ -65,12 +73,13 @@ impl Arrows {
             true => format!("{rms} mm RMS per axis, drawn × {gain}"),
             false => format!("{rms} mm RMS per axis"),
         };
-        let drawn = numbered.map(|(k, gap)| tip(k, gap).coming_from(tail(gap, which)));
+        let drawn = self.ends(gain).enumerate();
+        let drawn = drawn.map(|(k, (tip, tails))| Point::posture(k, tip).coming_from(tails[which]));
         let sole = self.sole.iter().chain(self.sole.first());
-        let cells = [(false, BAND), (true, ORANGE)].map(|(wanted, color)| {
-            let own = self.cells.iter().filter(|(_, meant)| *meant == wanted);
-            let own = own.map(|(at, _)| Point::from(at.map(to_mm)));
-            series(Mark::Square(color, 12.0), own)
+        let cells = [(false, BAND), (true, ORANGE)].map(|(is_meant, color)| {
+            let own = self.cells.iter().enumerate();
+            let own = own.filter(|(k, _)| self.meant.contains(k) == is_meant);
+            series(Mark::Square(color, 12.0), own.map(|(_, at)| at.map(to_mm)))
         });
         let foot = self.foot.iter().flat_map(|corners| {
             let [low, high] = corners.map(|corner| corner.map(to_mm));
@@ -99,7 +108,7 @@ impl Arrows {
         };
         let label = format!(
             "{title}: arrows from the predicted to the measured CoP of {} readings, mm",
-            self.gaps.len()
+            self.postures.len()
         );
         panel.alone(if beside { 340.0 } else { HALF }, label)
     }
@@ -108,12 +117,13 @@ impl Arrows {
     fn gain(&self) -> f64 {
         let longest = self.rms[0].max(self.rms[1]);
         let side = |axis: usize| {
-            let values = self.gaps.iter().map(|gap| gap.measured[axis]);
-            let ends = values.filter(|x| x.is_finite());
-            let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-                [low.min(x), high.max(x)]
-            });
-            high - low
+            let values = self
+                .postures
+                .iter()
+                .filter_map(|own| Some(own.measured?[axis]));
+            let values = values.filter(|x| x.is_finite());
+            let low = values.clone().fold(f64::INFINITY, f64::min);
+            values.fold(f64::NEG_INFINITY, f64::max) - low
         };
         let widest = side(0).max(side(1));
         let steps = [100.0, 50.0, 20.0, 10.0, 5.0, 2.0];

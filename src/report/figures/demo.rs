@@ -1,10 +1,10 @@
 //! Figures of the demo, after those of the SESC paper: rows in, SVG out.
 
-use super::super::plot::{Mark, Panel, Plot, Point, outline, rule, segments, series, span};
+use super::super::plot::{Mark, Panel, Point, outline, rule, segments, series, span, stacked};
 use super::super::svg::{Anchor, BAND, BLUE, Color, INK, MUTED, ORANGE, SMALL};
 use super::super::table::mm;
 use super::super::{CopRow, DemoReport, Errors, HeightRow, LengthRow};
-use super::{Bar, HALF, Length, bars, to_mm};
+use super::{Bar, HALF, Length, bars, longest, to_mm};
 
 /// What the error is made of, against readings and against the truth, and what noise or theory
 /// set it: noise against readings, little against truth.
@@ -20,45 +20,32 @@ pub fn errors(report: &DemoReport) -> String {
     } = report.errors;
     let base = format!("{} base parameters", report.base_params);
     let full = format!("all {} columns", report.full_params);
-    let bar = |name, length_m, color| Bar {
-        name,
-        length_m,
-        color,
-        pale_m: 0.0,
-    };
     let noisy = [
-        bar("new postures", measured_mae_m, MUTED),
-        bar("fitted postures", in_sample_mae_m, MUTED),
+        Bar::new("new postures", measured_mae_m, MUTED),
+        Bar::new("fitted postures", in_sample_mae_m, MUTED),
     ];
     let clean = [
-        bar(&base, clean_rmse_base_m, BLUE),
-        bar(&full, clean_rmse_full_m, BLUE),
+        Bar::new(&base, clean_rmse_base_m, BLUE),
+        Bar::new(&full, clean_rmse_full_m, BLUE),
     ];
     let [noise, theory] = [("noise alone", noise_mae_m), ("theory", theory_rmse_m)]
         .map(|(name, limit)| (format!("{name} {} mm", mm(limit)), limit));
     let lengths = noisy.iter().chain(&clean).map(|bar| bar.length_m);
-    let lengths = lengths.chain([noise.1, theory.1]);
-    let longest = lengths
-        .filter(|length| length.is_finite())
-        .fold(0.0, f64::max);
+    let longest = longest(lengths.chain([noise.1, theory.1]));
     let panel =
         |title, own, (name, limit): &(String, f64)| bars(title, own, (name, *limit), longest);
-    Plot {
-        label: format!(
-            "Bars: error against noisy readings {} mm, {}; error against the true CoP {} mm, {}",
-            mm(measured_mae_m),
-            noise.0,
-            mm(clean_rmse_base_m),
-            theory.0
-        ),
-        width: 620.0,
-        panels: vec![
-            panel("Against noisy readings, mean |error|", &noisy, &noise),
-            panel("Against the true CoP, new postures, RMS", &clean, &theory),
-        ],
-        ..Plot::default()
-    }
-    .draw()
+    let label = format!(
+        "Bars: error against noisy readings {} mm, {}; error against the true CoP {} mm, {}",
+        mm(measured_mae_m),
+        noise.0,
+        mm(clean_rmse_base_m),
+        theory.0
+    );
+    let panels = vec![
+        panel("Against noisy readings, mean |error|", &noisy, &noise),
+        panel("Against the true CoP, new postures, RMS", &clean, &theory),
+    ];
+    stacked(620.0, label, panels)
 }
 
 // CoP over postures and on the ground (the paper's Figs. 3b and 7).
@@ -79,22 +66,15 @@ pub fn cop_over_postures(rows: &[CopRow], axis: usize, first: usize) -> String {
         series(mark, points).named(name)
     };
     let differs = |row: &CopRow| to_mm(row.cad[axis] - row.truth[axis]).abs() > VISIBLE_MM;
-    let cad = rows
-        .iter()
-        .any(differs)
-        .then(|| places(|row, axis| row.cad[axis]));
-    let errors = [
-        dots(Mark::Ring(MUTED), "reading", |row, axis| {
-            row.measured[axis] - row.truth[axis]
-        }),
-        dots(Mark::dot(BLUE), "identified", |row, axis| {
-            row.identified[axis] - row.truth[axis]
-        }),
-    ];
+    let cad = rows.iter().any(differs);
+    let cad = cad.then(|| places(|row, axis| row.cad[axis]));
+    let read = |row: &CopRow, axis: usize| row.measured[axis] - row.truth[axis];
+    let found = |row: &CopRow, axis: usize| row.identified[axis] - row.truth[axis];
     let rests = rows.iter().flat_map(|row| {
-        let rests = [row.measured, row.identified].map(|at| to_mm(at[axis] - row.truth[axis]));
+        let rests = [read(row, axis), found(row, axis)].map(to_mm);
         [rests[0], -rests[0], rests[1], -rests[1]]
     });
+    let identified = places(|row, axis| row.identified[axis]);
     let x = Some(0.0..(rows.len() + 1) as f64);
     let panels = vec![
         Panel {
@@ -106,11 +86,7 @@ pub fn cop_over_postures(rows: &[CopRow], axis: usize, first: usize) -> String {
                 series(Mark::Line(BAND, 7.0), places(|row, axis| row.truth[axis])).named("truth"),
                 series(Mark::Line(ORANGE, 1.25), cad.into_iter().flatten()).named("CAD"),
                 dots(Mark::Ring(MUTED), "reading", |row, axis| row.measured[axis]),
-                series(
-                    Mark::Line(BLUE, 1.75),
-                    places(|row, axis| row.identified[axis]),
-                )
-                .named("identified"),
+                series(Mark::Line(BLUE, 1.75), identified).named("identified"),
             ],
             ..Panel::default()
         },
@@ -121,20 +97,19 @@ pub fn cop_over_postures(rows: &[CopRow], axis: usize, first: usize) -> String {
             x_name: "posture".to_string(),
             ticks: [6, 4],
             height: 88.0,
-            series: [rule(1, 0.0, INK, 1.0)].into_iter().chain(errors).collect(),
+            series: vec![
+                rule(1, 0.0, INK, 1.0),
+                dots(Mark::Ring(MUTED), "reading", read),
+                dots(Mark::dot(BLUE), "identified", found),
+            ],
             ..Panel::default()
         },
     ];
-    Plot {
-        label: format!(
-            "CoP {name} over {} held-out postures, mm: reading, truth, identified",
-            rows.len()
-        ),
-        width: HALF,
-        panels,
-        ..Plot::default()
-    }
-    .draw()
+    let label = format!(
+        "CoP {name} over {} held-out postures, mm: reading, truth, identified",
+        rows.len()
+    );
+    stacked(HALF, label, panels)
 }
 
 /// The CoP on the ground, seen from above, and the sole around the origin
@@ -234,26 +209,27 @@ fn lengths(
 pub fn height_level(rows: &[HeightRow], offset_m: f64, first: usize) -> String {
     let pick = |row: &HeightRow| row.identified;
     let mut panel = heights(rows, "CoM height as fitted, mm", (pick, ORANGE), first);
-    let apart = rows
-        .iter()
-        .zip(1..)
-        .map(|(row, k)| [row.truth, row.identified].map(|height| [f64::from(k), to_mm(height)]));
+    let both = |row: &HeightRow| [row.truth, row.identified].map(to_mm);
+    let apart = rows.iter().zip(1..);
+    let apart = apart.map(|(row, k)| both(row).map(|height| [f64::from(k), height]));
     panel.series.push(segments(ORANGE, 0.75, apart));
     panel.series.push(rule(1, 0.0, BAND, 1.0));
     // The text stands under the curves where it has room.
-    let all = rows.iter().flat_map(|row| [row.truth, row.identified]);
-    let all = all.filter(|height| height.is_finite()).map(to_mm);
+    let all = rows
+        .iter()
+        .flat_map(both)
+        .filter(|height| height.is_finite());
     let [low, high] = [f64::min, f64::max].map(|pick| all.clone().reduce(pick).unwrap_or(0.0));
     if low > 0.3 * high {
-        let said = [
-            (-8.0, format!("on average {} mm apart:", mm(offset_m.abs()))),
-            (8.0, "one constant that flat CoP cannot tell".to_string()),
-        ];
-        let said = said.map(|(down, said)| {
+        let apart = format!("on average {} mm apart:", mm(offset_m.abs()));
+        for (down, said) in [
+            (-8.0, apart.as_str()),
+            (8.0, "one constant that flat CoP cannot tell"),
+        ] {
             let beside = Mark::Words(INK, SMALL, Anchor::Start, [20.0, down]);
-            series(beside, [Point::worded(said, [0.0, low / 2.0])])
-        });
-        panel.series.extend(said);
+            let said = Point::worded(said, [0.0, low / 2.0]);
+            panel.series.push(series(beside, [said]));
+        }
     }
     let label = format!(
         "CoM height over {} postures: identified lies {} mm off the truth",
@@ -286,9 +262,8 @@ fn heights(
         let rows = rows.iter().zip(1..);
         rows.map(move |(row, k)| [f64::from(k), to_mm(pick(row))])
     };
-    let dots = curve(pick)
-        .zip(first..)
-        .map(|(at, k)| Point::posture(k, at));
+    let dots = curve(pick).zip(first..);
+    let dots = dots.map(|(at, k)| Point::posture(k, at));
     Panel {
         title: title.to_string(),
         x: Some(0.0..(rows.len() + 1) as f64),
@@ -325,29 +300,17 @@ pub fn parameters(report: &DemoReport) -> String {
             Point::from([x + 0.5, -y - 0.5])
         })
     };
-    let kinds = [
-        (
-            Mark::Square(BLUE, 17.0),
-            0..rank_cop,
-            format!("{rank_cop} from flat CoP"),
-        ),
-        (
-            Mark::Square(ORANGE, 17.0),
-            rank_cop..base_params,
-            format!("{height} height constant"),
-        ),
-        (
-            Mark::Frame(ORANGE, 16.0),
-            base_params..full_params,
-            format!("{lost} only in sums"),
-        ),
-    ];
-    let all = kinds.map(|(mark, range, name)| series(mark, squares(range)).named(name));
+    let (seen, sums) = (Mark::Square(BLUE, 17.0), Mark::Frame(ORANGE, 16.0));
     let panel = Panel {
         x: Some(0.0..PER_ROW as f64),
         y: Some(-rows..0.0),
         height: 22.0 * rows,
-        series: all.into(),
+        series: vec![
+            series(seen, squares(0..rank_cop)).named(format!("{rank_cop} from flat CoP")),
+            series(Mark::Square(ORANGE, 17.0), squares(rank_cop..base_params))
+                .named(format!("{height} height constant")),
+            series(sums, squares(base_params..full_params)).named(format!("{lost} only in sums")),
+        ],
         ..Panel::default()
     };
     let label = format!(

@@ -7,11 +7,12 @@
 mod tests;
 
 use super::super::plot::{
-    Mark, Panel, Plot, Point, Series, area, outline, rule, segments, series, span,
+    Mark, Panel, Plot, Point, Series, area, outline, rule, segments, series, span, stacked,
 };
+use super::super::robot::Shown;
 use super::super::svg::{Anchor, BLUE, GRID, INK, MUTED, ORANGE, TINY};
 use super::super::table::mm;
-use super::arrows::{Arrows, Gap};
+use super::arrows::Arrows;
 use super::{Bar, HALF, WIDE, pairs, shade, to_mm};
 use sesc_identify::diagnose::view::{
     DiagnosisView, EDGE, Middle, Posture, Predicted, PredictedPoint, Regions, Spread, Stage,
@@ -37,20 +38,28 @@ pub fn arrows_beside(view: &DiagnosisView, cells: &[usize]) -> String {
     of_view(view, cells).beside_the_robot("CoP on the ground")
 }
 
-fn of_view(view: &DiagnosisView, cells: &[usize]) -> Arrows {
-    let gap = |row: &Posture| Gap {
-        measured: row.measured,
-        predicted: [row.simulated, row.corrected],
-        outlier: row.outlier,
-    };
-    let places = view.cells.iter().enumerate();
+fn of_view<'a>(view: &'a DiagnosisView, meant: &'a [usize]) -> Arrows<'a> {
     Arrows {
-        gaps: view.postures.iter().map(gap).collect(),
+        postures: postures(view),
         rms: view.rms_lengths,
         foot: view.foot,
-        sole: view.skeleton.sole.clone(),
-        cells: places.map(|(k, at)| (*at, cells.contains(&k))).collect(),
+        sole: &view.skeleton.sole,
+        cells: &view.cells,
+        meant,
     }
+}
+
+/// The postures of a diagnosis as its page shows them.
+pub fn postures(view: &DiagnosisView) -> Vec<Shown> {
+    let shown = |row: &Posture| Shown {
+        pose: row.pose,
+        q: row.q.clone(),
+        measured: Some(row.measured),
+        predicted: Some([row.simulated, row.corrected]),
+        outlier: row.outlier,
+        ..Shown::default()
+    };
+    view.postures.iter().map(shown).collect()
 }
 
 /// The held-out error on its way from CAD, effect by effect, to the noise.
@@ -62,12 +71,8 @@ pub fn waterfall(stages: &[Stage]) -> String {
             StageKind::Better => (BLUE, before),
             StageKind::Noise => (MUTED, 0.0),
         };
-        Bar {
-            name: &stage.name,
-            length_m: stage.rmse,
-            color,
-            pale_m,
-        }
+        let own = Bar::new(&stage.name, stage.rmse, color);
+        Bar { pale_m, ..own }
     });
     let bars: Vec<Bar<'_>> = bars.collect();
     let noise = stages.iter().find(|s| s.kind == StageKind::Noise);
@@ -122,16 +127,11 @@ pub fn course(rows: &[Posture]) -> String {
             ..Panel::default()
         }
     };
-    Plot {
-        label: format!(
-            "CoP of {} postures, mm: measured, simulated, corrected",
-            few.len()
-        ),
-        width: WIDE,
-        panels: vec![panel(0), panel(1)],
-        ..Plot::default()
-    }
-    .draw()
+    let label = format!(
+        "CoP of {} postures, mm: measured, simulated, corrected",
+        few.len()
+    );
+    stacked(WIDE, label, vec![panel(0), panel(1)])
 }
 
 /// Measured less simulated over time, or over the postures where none is logged: before and after.
@@ -167,16 +167,11 @@ pub fn rest(view: &DiagnosisView) -> String {
             ..Panel::default()
         }
     };
-    Plot {
-        label: format!(
-            "Measured less simulated CoP of {} postures over the log, mm: before and after",
-            rows.len()
-        ),
-        width: WIDE,
-        panels: vec![panel(0), panel(1)],
-        ..Plot::default()
-    }
-    .draw()
+    let label = format!(
+        "Measured less simulated CoP of {} postures over the log, mm: before and after",
+        rows.len()
+    );
+    stacked(WIDE, label, vec![panel(0), panel(1)])
 }
 
 /// Letters of a subject over its panel.
@@ -212,7 +207,7 @@ pub fn predicted(rows: &[Predicted]) -> String {
             series: vec![
                 series(Mark::Line(INK, 1.0), equal).named("gap = predicted change"),
                 series(Mark::Dot(ORANGE, 2.2), points).named("a posture"),
-                series(Mark::Frame(INK, 8.0), boxed.map(|p| Point::from(at(p)))),
+                series(Mark::Frame(INK, 8.0), boxed.map(at)),
                 series(Mark::Line(BLUE, 1.75), fitted).named("line that fits best"),
             ],
             ..Panel::default()
@@ -249,13 +244,10 @@ pub fn trends(rows: &[Trend], what: &str) -> String {
         let old = all().map(|p| Point::posture(p.posture, [p.at, to_mm(p.before)]));
         let new = all().map(|p| Point::posture(p.posture, [p.at, to_mm(p.after)]));
         let boxed = all().filter(|point| point.outlier);
-        let boxed = boxed.map(|p| Point::from([p.at, to_mm(p.after)]));
+        let boxed = boxed.map(|p| [p.at, to_mm(p.after)]);
         let means = |color, pick: fn(&Middle) -> f64| {
-            let means = row.means.iter();
-            series(
-                Mark::Line(color, 1.75),
-                means.map(|mean| [mean.at, to_mm(pick(mean))]),
-            )
+            let means = row.means.iter().map(|mean| [mean.at, to_mm(pick(mean))]);
+            series(Mark::Line(color, 1.75), means)
         };
         let named = row.named.then_some((Mark::Square(ORANGE, 9.0), "named"));
         let (name, axis) = (&names[usize::from(row.named)][k], AXES[row.axis]);
@@ -278,14 +270,11 @@ pub fn trends(rows: &[Trend], what: &str) -> String {
             ..Panel::default()
         }
     };
-    let mut panels: Vec<Panel> = rows.iter().enumerate().map(panel).collect();
-    if rows.is_empty() {
-        let nothing = "no joints";
-        panels.push(Panel {
-            nothing,
-            ..Panel::default()
-        });
-    }
+    let nothing = rows.is_empty().then(|| Panel {
+        nothing: "no joints",
+        ..Panel::default()
+    });
+    let panels = rows.iter().enumerate().map(panel).chain(nothing).collect();
     Plot {
         label: format!(
             "Gap against {what} of {} joints, mm: before and after",
@@ -321,12 +310,10 @@ pub fn spread(rows: &Spread) -> String {
     let steps = steps.flat_map(|(k, &n)| [[left(k), n as f64], [left(k + 1), n as f64]]);
     let curve =
         (0..CURVE_POINTS).map(|k| -EDGE + 2.0 * EDGE * k as f64 / (CURVE_POINTS - 1) as f64);
+    let ([before, after], rms) = (rows.beyond, rows.rms.map(|rms| mm(1e-3 * rms)));
     let said = format!(
-        "Beyond ±{EDGE:.0}: {} before, {} after. RMS: {} before, {} after.",
-        rows.beyond[0],
-        rows.beyond[1],
-        mm(1e-3 * rows.rms[0]),
-        mm(1e-3 * rows.rms[1])
+        "Beyond ±{EDGE:.0}: {before} before, {after} after. RMS: {} before, {} after.",
+        rms[0], rms[1]
     );
     let panel = Panel {
         title: "Residuals per bin".to_string(),
@@ -343,10 +330,8 @@ pub fn spread(rows: &Spread) -> String {
         foot: said,
         ..Panel::default()
     };
-    let label = format!(
-        "{} residuals in units of noise: before and after",
-        rows.count
-    );
+    let count = rows.count;
+    let label = format!("{count} residuals in units of noise: before and after");
     panel.alone(HALF, label)
 }
 

@@ -4,8 +4,9 @@
 mod tests;
 
 use super::super::plot::{Mark, Panel, Point, area, rule, segments, series, span};
+use super::super::robot::Shown;
 use super::super::svg::{BAND, BLUE, GRID, INK, MUTED, ORANGE};
-use super::arrows::{Arrows, Gap};
+use super::arrows::Arrows;
 use super::{Bar, HALF, Length, pairs, shade, to_mm};
 use sesc_identify::fit::residuals::{Residual, rms_lengths};
 use sesc_identify::fit::{BodyLength, Identification, ParameterFound};
@@ -25,18 +26,21 @@ pub fn waterfall(found: &Identification) -> String {
         ("noise alone", found.noise_floor, INK),
         ("model alone", found.expected_error_data, ORANGE),
     ];
-    let bars = bars.map(|(name, length_m, color)| Bar {
-        name,
-        length_m,
-        color,
-        pale_m: 0.0,
-    });
+    let bars = bars.map(|(name, length_m, color)| Bar::new(name, length_m, color));
     super::waterfall("RMS error per axis", &bars, found.noise_floor)
 }
 
-/// Rows that figures show.
-pub fn some(rows: &[Residual]) -> impl Iterator<Item = &Residual> {
-    rows.iter().step_by(rows.len().div_ceil(MOST).max(1))
+/// Rows that figures show, as the page shows them.
+pub fn postures(rows: &[Residual]) -> Vec<Shown> {
+    let some = rows.iter().step_by(rows.len().div_ceil(MOST).max(1));
+    some.map(|row| Shown {
+        pose: row.pose,
+        q: row.q.clone(),
+        measured: Some(row.measured),
+        predicted: Some([row.cad, row.fitted]),
+        ..Shown::default()
+    })
+    .collect()
 }
 
 /// CAD's residuals, as they stand beside the robot.
@@ -53,18 +57,11 @@ pub fn sole(rows: &[Residual]) -> [String; 2] {
     ]
 }
 
-fn of_rows(rows: &[Residual]) -> Arrows {
-    let gap = |row: &Residual| Gap {
-        measured: row.measured,
-        predicted: [row.cad, row.fitted],
-        outlier: false,
-    };
+fn of_rows(rows: &[Residual]) -> Arrows<'_> {
     Arrows {
-        gaps: some(rows).map(gap).collect(),
+        postures: postures(rows),
         rms: rms_lengths(rows),
-        foot: None,
-        sole: Vec::new(),
-        cells: Vec::new(),
+        ..Arrows::default()
     }
 }
 
@@ -120,12 +117,16 @@ pub fn deviations(title: &str, mut rows: Vec<(&str, f64)>) -> String {
     rows.truncate(CHANGES);
     let names: Vec<&str> = rows.iter().map(|(name, _)| *name).collect();
     let low = -(rows.len() as f64);
-    let ends = rows.iter().zip(0..).map(|((name, change), k)| {
+    let bars = || {
+        rows.iter()
+            .zip(0..)
+            .map(|(own, k)| (own, -f64::from(k) - 0.5))
+    };
+    let ends = bars().map(|((name, change), y)| {
         let words = format!("{name} · {change:+.1} standard deviations").replace('-', "−");
-        Point::worded(words, [*change, -f64::from(k) - 0.5])
+        Point::worded(words, [*change, y])
     });
-    let bars = rows.iter().zip(0..);
-    let bars = bars.map(|((_, change), k)| [0.0, *change].map(|x| [x, -f64::from(k) - 0.5]));
+    let bars = bars().map(|((_, change), y)| [0.0, *change].map(|x| [x, y]));
     let panel = Panel {
         title: title.to_string(),
         x: Some(span(rows.iter().map(|row| row.1).chain([-2.2, 2.2]))),

@@ -44,8 +44,26 @@ struct Bar<'t> {
     pale_m: f64,
 }
 
+impl<'t> Bar<'t> {
+    fn new(name: &'t str, length_m: f64, color: Color) -> Bar<'t> {
+        let pale_m = 0.0;
+        Bar {
+            name,
+            length_m,
+            color,
+            pale_m,
+        }
+    }
+}
+
 /// Letters beside a bar, at most.
 const LETTERS: usize = 33;
+
+/// The greatest of some lengths.
+fn longest(lengths: impl IntoIterator<Item = f64>) -> f64 {
+    let known = lengths.into_iter().filter(|length| length.is_finite());
+    known.fold(0.0, f64::max)
+}
 
 /// Bars one below the other with their names and numbers, and a line at a length that has a name;
 /// `longest_m` leaves room for its number.
@@ -55,14 +73,12 @@ fn bars(title: &str, bars: &[Bar<'_>], (name, limit_m): (&str, f64), longest_m: 
         let ends = ends.map(|end| if end.is_finite() { end } else { 0.0 });
         let [upper, middle, lower] = [0.2, 0.5, 0.8].map(|part| -f64::from(k) - part);
         let number = format!("{} mm", mm(bar.length_m));
-        let behind = [ends.into_iter().fold(0.0, f64::max), middle];
+        let number = Point::worded(number, [longest(ends), middle]);
+        let behind = Mark::Words(INK, NUMBER, Anchor::Start, [8.0, 0.0]);
         [
             area(GRID, 1.0, [[0.0, upper], [ends[1], lower]]),
             area(bar.color, 1.0, [[0.0, upper], [ends[0], lower]]),
-            series(
-                Mark::Words(INK, NUMBER, Anchor::Start, [8.0, 0.0]),
-                [Point::worded(number, behind)],
-            ),
+            series(behind, [number]),
         ]
     });
     // A line without a name steps back.
@@ -83,10 +99,7 @@ fn bars(title: &str, bars: &[Bar<'_>], (name, limit_m): (&str, f64), longest_m: 
 fn waterfall(title: &str, all: &[Bar<'_>], noise_m: f64) -> String {
     let words = all.iter();
     let words = words.map(|bar| format!("{} {} mm", bar.name, mm(bar.length_m)));
-    let lengths = all.iter().map(|bar| bar.length_m);
-    let longest_m = lengths
-        .filter(|length| length.is_finite())
-        .fold(0.0, f64::max);
+    let longest_m = longest(all.iter().map(|bar| bar.length_m));
     let panel = bars(title, all, ("", noise_m), longest_m);
     let label = format!("{title}: {}", words.collect::<Vec<_>>().join(", "));
     panel.alone(600.0, label)
@@ -170,16 +183,13 @@ fn pairs(
         let told = told.clone();
         told.map(move |k| Point::worded((k + 1).to_string(), place(k as f64 + 0.5)))
     };
+    let inside = Mark::Words(INK, TINY, Anchor::Middle, [0.0; 2]);
+    let above = Mark::Words(MUTED, SMALL, Anchor::Middle, [0.0, -8.0]);
+    let left = Mark::Words(MUTED, SMALL, Anchor::End, [-8.0, 0.0]);
     let numbers = [
-        series(Mark::Words(INK, TINY, Anchor::Middle, [0.0; 2]), numbers),
-        series(
-            Mark::Words(MUTED, SMALL, Anchor::Middle, [0.0, -8.0]),
-            at(|k| [k, 0.0]),
-        ),
-        series(
-            Mark::Words(MUTED, SMALL, Anchor::End, [-8.0, 0.0]),
-            at(|k| [0.0, -k]),
-        ),
+        series(inside, numbers),
+        series(above, at(|k| [k, 0.0])),
+        series(left, at(|k| [0.0, -k])),
     ];
     Panel {
         title: title.to_string(),

@@ -60,12 +60,12 @@ impl Pictured<'_> {
         let scale = scale(&extents, [right - left, TALLEST]);
         let tall = extents.iter().map(|[low, high]| scale * (high[1] - low[1]));
         let bottom = top + tall.fold(LOWEST, f64::max);
-        let picture = |k: usize| {
+        let posture = match self.postures.as_slice() {
+            [[]] => "with all joints at zero".to_string(),
+            several => format!("in one of {} postures", several.len()),
+        };
+        [0, 1].map(|k| {
             let name = ["From the front", "From its right"][k];
-            let posture = match self.postures.as_slice() {
-                [[]] => "with all joints at zero".to_string(),
-                several => format!("in one of {} postures", several.len()),
-            };
             let label = format!(
                 "{name}: {} standing on {} {posture}, with its centre of mass",
                 self.skeleton.robot, self.skeleton.support
@@ -81,18 +81,13 @@ impl Pictured<'_> {
             if k == 0 {
                 let length = bar(scale);
                 let middle = (left + right) / 2.0;
-                let half = scale * length / 2.0;
-                figure.line(
-                    [[middle - half, low + 7.0], [middle + half, low + 7.0]],
-                    INK,
-                    1.5,
-                );
+                let ends = [-0.5, 0.5].map(|half| [middle + half * scale * length, low + 7.0]);
+                figure.line(ends, INK, 1.5);
                 let text = format!("{:.0} mm", 1e3 * length);
                 figure.note([middle, low - 2.0], Anchor::Middle, INK, &text);
             }
             figure.finish()
-        };
-        [picture(0), picture(1)]
+        })
     }
 }
 
@@ -142,9 +137,19 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Camera {
-    /// How near to the viewer a point is, m.
-    pub fn depth(&self, point: [f64; 3]) -> f64 {
-        dot(self.near, point)
+    /// Capsules of the robot, the farthest from the viewer first.
+    fn farthest_first<'s>(
+        &self,
+        skeleton: &'s Skeleton,
+        placed: &Placed,
+    ) -> Vec<(usize, &'s Capsule)> {
+        let depth = |capsule: &Capsule| {
+            let [a, b] = placed.ends(capsule).map(|end| dot(self.near, end));
+            a + b
+        };
+        let mut all: Vec<(usize, &Capsule)> = skeleton.capsules.iter().enumerate().collect();
+        all.sort_by(|(_, a), (_, b)| depth(a).total_cmp(&depth(b)));
+        all
     }
 
     /// Least and greatest coordinates of the picture, m: of all that is drawn of the robot and
@@ -195,14 +200,12 @@ impl View {
         scale: f64,
         [left, right, bottom]: [f64; 3],
     ) -> View {
-        let middle = (low[0] + high[0]) / 2.0;
+        let x = (left + right) / 2.0 - scale * (low[0] + high[0]) / 2.0;
+        let origin = [x, bottom + scale * low[1]];
         View {
             camera,
             scale,
-            origin: [
-                (left + right) / 2.0 - scale * middle,
-                bottom + scale * low[1],
-            ],
+            origin,
         }
     }
 
@@ -212,6 +215,21 @@ impl View {
             self.origin[0] + self.scale * dot(point, self.camera.right),
             self.origin[1] - self.scale * dot(point, self.camera.up),
         ]
+    }
+
+    /// A capsule with an edge of so many pixels around it.
+    fn capsule(
+        &self,
+        figure: &mut Figure,
+        ends: [[f64; 3]; 2],
+        radius: f64,
+        (color, edge): (Color, Color),
+        wide: f64,
+    ) {
+        let ends = ends.map(|end| self.at(end));
+        let width = (2.0 * self.scale * radius).max(2.0);
+        figure.capsule(ends, width + wide, edge);
+        figure.capsule(ends, width, color);
     }
 }
 
@@ -246,12 +264,11 @@ impl Pictured<'_> {
             view.origin[1]
         );
         figure.group(&attributes, |figure| {
-            let mut order: Vec<(f64, usize)> = (skeleton.capsules.iter().enumerate())
-                .map(|(k, capsule)| (depth(view, &placed, capsule), k))
-                .collect();
-            order.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for (_, k) in order {
-                self.capsule(figure, view, &placed, k);
+            for (k, capsule) in view.camera.farthest_first(skeleton, &placed) {
+                let (ends, colors) = (placed.ends(capsule), self.colors(capsule));
+                figure.group(&format!("data-c=\"{k}\""), |figure| {
+                    view.capsule(figure, ends, capsule.radius, colors, 2.0);
+                });
             }
             self.joints(figure, view, &placed);
             self.centre(figure, view, &placed);
@@ -264,29 +281,16 @@ impl Pictured<'_> {
     fn ground(&self, figure: &mut Figure, view: &View) {
         let level = view.at([0.0; 3])[1];
         figure.fill([[EDGES[0], level], [EDGES[2], level + 5.0]], GRID, 1.0);
-        let sole = &self.skeleton.sole;
-        let along: Vec<f64> = (sole.iter())
-            .map(|[x, y]| view.at([*x, *y, 0.0])[0])
-            .collect();
-        let low = along.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let along = |[x, y]: &[f64; 2]| view.at([*x, *y, 0.0])[0];
+        let sole = self.skeleton.sole.iter().map(along);
+        let low = sole.clone().fold(f64::INFINITY, f64::min);
+        let high = sole.fold(f64::NEG_INFINITY, f64::max);
         if high > low {
             figure.fill([[low, level], [high, level + 5.0]], MUTED, 1.0);
         }
-        for [x, y] in &self.cop {
-            figure.dot([view.at([*x, *y, 0.0])[0], level + 2.5], 1.2, INK);
+        for at in &self.cop {
+            figure.dot([along(at), level + 2.5], 1.2, INK);
         }
-    }
-
-    fn capsule(&self, figure: &mut Figure, view: &View, placed: &Placed<'_>, k: usize) {
-        let capsule = &self.skeleton.capsules[k];
-        let ends = placed.ends(capsule).map(|end| view.at(end));
-        let width = (2.0 * view.scale * capsule.radius).max(2.0);
-        let (color, edge) = self.colors(capsule);
-        figure.group(&format!("data-c=\"{k}\""), |figure| {
-            figure.capsule(ends, width + 2.0, edge);
-            figure.capsule(ends, width, color);
-        });
     }
 
     /// Colour of a capsule and of its edge.
@@ -312,16 +316,12 @@ impl Pictured<'_> {
             let meant = marks.every_joint || marks.joints.iter().any(|(own, _)| *own == k);
             figure.group(&format!("data-j=\"{k}\""), |figure| {
                 figure.called(joint);
-                match meant {
-                    true => {
-                        figure.dot(at, 8.5, PAPER);
-                        figure.dot(at, 7.0, ORANGE);
-                        figure.dot(at, 2.2, PAPER);
-                    }
-                    false => {
-                        figure.dot(at, 3.0, PAPER);
-                        figure.dot(at, 2.0, INK);
-                    }
+                let dots: &[_] = match meant {
+                    true => &[(8.5, PAPER), (7.0, ORANGE), (2.2, PAPER)],
+                    false => &[(3.0, PAPER), (2.0, INK)],
+                };
+                for (radius, color) in dots {
+                    figure.dot(at, *radius, *color);
                 }
             });
         }
@@ -340,23 +340,18 @@ impl Pictured<'_> {
 
     /// Arrows from where CoMs were to where they are, drawn longer.
     fn moved(&self, figure: &mut Figure, view: &View, placed: &Placed<'_>) {
+        let by = |[from, to]: &[[f64; 3]; 2]| [0, 1, 2].map(|axis| to[axis] - from[axis]);
         let arrows = &self.marks.arrows;
-        let length = |[from, to]: &[[f64; 3]; 2]| {
-            (0..3)
-                .map(|axis| (to[axis] - from[axis]).powi(2))
-                .sum::<f64>()
-                .sqrt()
-        };
-        let longest = arrows
+        let lengths = arrows
             .iter()
-            .map(|(_, ends)| length(ends))
-            .fold(0.0, f64::max);
+            .map(|(_, ends)| dot(by(ends), by(ends)).sqrt());
+        let longest = lengths.fold(0.0, f64::max);
         if longest <= 0.0 || !longest.is_finite() {
             return;
         }
         let gain = ARROW / (view.scale * longest);
-        for (body, [from, to]) in arrows {
-            let tip = [0, 1, 2].map(|axis| from[axis] + gain * (to[axis] - from[axis]));
+        for (body, ends @ [from, _]) in arrows {
+            let tip = [0, 1, 2].map(|axis| from[axis] + gain * by(ends)[axis]);
             let [tail, tip] = [*from, tip].map(|end| [end, placed.point(*body, end)]);
             let ends = [tail[0], tip[0]].map(|[x, y, z]| format!("{x:.5} {y:.5} {z:.5}"));
             let attributes = format!("data-a=\"{body} {}\"", ends.join(" "));
@@ -381,19 +376,16 @@ impl Pictured<'_> {
             Some((capsule.body, name, middle))
         });
         for (body, name, point) in joints.chain(links) {
-            let at = view.at(placed.point(body, point));
+            let [at, mut y] = view.at(placed.point(body, point));
             let wide = text_width(name) * 1.08;
-            let left = at[0] + 14.0 + wide < WIDTH - 4.0;
-            let x = match left {
-                true => at[0] + 14.0,
-                false => (at[0] - 14.0).max(wide + 4.0),
+            let (x, anchor) = match at + 14.0 + wide < WIDTH - 4.0 {
+                true => (at + 14.0, Anchor::Start),
+                false => ((at - 14.0).max(wide + 4.0), Anchor::End),
             };
-            let mut y = at[1];
             while taken.iter().any(|other| (other - y).abs() < 15.0) {
                 y += 15.0;
             }
             taken.push(y);
-            let anchor = if left { Anchor::Start } else { Anchor::End };
             let [px, py, pz] = point;
             let attributes = format!("data-n=\"{body} {px:.5} {py:.5} {pz:.5}\"");
             figure.group(&attributes, |figure| {
@@ -405,12 +397,6 @@ impl Pictured<'_> {
 
 /// A link that moved a little.
 const PALE: Color = BAND;
-
-/// How near the middle of a capsule is; bones lie behind what is around them.
-fn depth(view: &View, placed: &Placed<'_>, capsule: &Capsule) -> f64 {
-    let [a, b] = placed.ends(capsule).map(|end| view.camera.depth(end));
-    (a + b) / 2.0
-}
 
 // A contact sheet: the robot in many postures, small, in the order to take them.
 
@@ -438,30 +424,20 @@ pub fn sheet(skeleton: &Skeleton, postures: &[&[f64]]) -> Vec<String> {
         let label = format!("posture {}", k + 1);
         let mut figure = Figure::plain([SHEET_WIDTH, bottom + 6.0], &label);
         let placed = skeleton.place(q);
-        let sole: Vec<_> = (skeleton.sole.iter())
-            .map(|[x, y]| view.at([*x, *y, 0.0]))
-            .collect();
+        let sole = skeleton.sole.iter().map(|[x, y]| view.at([*x, *y, 0.0]));
+        let sole: Vec<Place> = sole.collect();
         if sole.len() > 2 {
             figure.polygon(&sole, MUTED);
         }
-        let mut order: Vec<(f64, usize)> = (skeleton.capsules.iter().enumerate())
-            .filter(|(_, capsule)| capsule.part == Part::Link)
-            .map(|(k, capsule)| {
-                let [a, b] = placed.ends(capsule).map(|end| CORNER.depth(end));
-                (a + b, k)
-            })
-            .collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
         for bone in skeleton.capsules.iter().filter(|c| c.part == Part::Bone) {
             let ends = placed.ends(bone).map(|end| view.at(end));
             figure.capsule(ends, 2.5, MUTED);
         }
-        for (_, k) in order {
-            let capsule = &skeleton.capsules[k];
-            let ends = placed.ends(capsule).map(|end| view.at(end));
-            let width = (2.0 * scale * capsule.radius).max(2.0);
-            figure.capsule(ends, width + 1.6, MUTED);
-            figure.capsule(ends, width, GRID);
+        for (_, capsule) in CORNER.farthest_first(skeleton, &placed) {
+            if capsule.part == Part::Link {
+                let ends = placed.ends(capsule);
+                view.capsule(&mut figure, ends, capsule.radius, (GRID, MUTED), 1.6);
+            }
         }
         let com = placed.com();
         let (at, foot) = (view.at(com), view.at([com[0], com[1], 0.0]));

@@ -11,9 +11,8 @@ use crate::report::figures::robot::Marks;
 use crate::report::health::Posed;
 use crate::report::html::render;
 use crate::report::origin::Origin;
-use crate::report::robot::{Card, Correction, Shown as Posture};
+use crate::report::robot::{Card, Correction};
 use crate::report::{next_steps, soles};
-use sesc_identify::fit::residuals::Residual;
 
 /// Parameters whose correlations fit on a map.
 const MAPPED: usize = 150;
@@ -26,7 +25,6 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
     let figure = Value::from_safe_string;
     let map = &shown.correlation_matrix;
     let map = (map.len() <= MAPPED && !map.is_empty()).then(|| figures::correlation(map));
-    let map = map.map_or(Value::from(()), figure);
     let context = context! {
         found => Serde(found),
         corrected => report.corrected.map(Serde),
@@ -46,14 +44,13 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
         misses => found.misses_something(),
         test => found.lack_of_fit.map(Serde),
         misfit => found.lack_of_fit.map(|test| misfit(found, test.p_value)),
-        gain => found.cad_rmse / found.held_out_rmse,
         told => found.parameters.iter().filter(|p| p.source == "data").count(),
         figures => context! {
             waterfall => figure(figures::waterfall(found)),
             bodies => figure(figures::bodies(&found.bodies)),
             changes => figure(figures::changes(&found.parameters)),
             sole => figures::sole(&shown.residuals).map(figure).to_vec(),
-            correlation => map,
+            correlation => map.map(figure),
         },
     };
     render("fit.html", context)
@@ -62,22 +59,19 @@ pub fn page(report: &FitReport<'_>) -> Result<String, Error> {
 /// What came in.
 fn data<'a>(report: &FitReport<'a>, shown: &'a Shown) -> Data<'a> {
     let found = report.found;
-    let mut lines = vec![("rows", found.samples.sentence())];
-    lines.push((
-        "postures",
-        format!("{}, {} readings", found.postures, found.readings),
-    ));
-    lines.push(("visits", visits(found.visits.as_ref())));
+    let postures = format!("{}, {} readings", found.postures, found.readings);
+    let robot = shown.robot.as_ref();
     Data {
-        lines,
-        dofs: shown
-            .robot
-            .as_ref()
-            .map_or(&[], |robot| &robot.skeleton.dofs),
+        lines: vec![
+            ("rows", found.samples.sentence()),
+            ("postures", postures),
+            ("visits", visits(found.visits.as_ref())),
+        ],
+        dofs: robot.map_or(&[], |robot| &robot.skeleton.dofs),
         used: &shown.used,
         postures: shown.residuals.iter().map(|row| row.q.as_slice()).collect(),
         health: &found.health,
-        first_posed: (shown.robot.as_ref()).map(|_| figures::some(&shown.residuals).count()),
+        first_posed: robot.map(|_| figures::postures(&shown.residuals).len()),
     }
 }
 
@@ -92,16 +86,9 @@ const NAMED: usize = 3;
 /// The robot with the links shaded that the data moved, where it is at hand.
 fn card<'a>(report: &FitReport<'_>, shown: &'a Shown) -> Option<Card<'a>> {
     let moved = shown.robot.as_ref()?;
-    let posture = |row: &Residual| Posture {
-        pose: row.pose,
-        q: row.q.clone(),
-        measured: Some(row.measured),
-        predicted: Some([row.cad, row.fitted]),
-        ..Posture::default()
-    };
     Some(Card {
         skeleton: &moved.skeleton,
-        postures: figures::some(&shown.residuals).map(posture).collect(),
+        postures: figures::postures(&shown.residuals),
         apart: Posed::of(&report.found.health).shown(),
         beside: Some(figures::sole_beside(&shown.residuals)),
         caption: caption(moved, report),
@@ -143,20 +130,14 @@ fn caption(moved: &Moved, report: &FitReport<'_>) -> String {
     let named: Vec<String> = named
         .map(|(by, body)| format!("`{body}` ({by:.1})"))
         .collect();
+    let named = named.join(", ");
     let said = match named.is_empty() {
         true => "No link moved by more than chance.".to_string(),
-        false => format!(
-            "What moved most, in standard deviations: {}.",
-            named.join(", ")
-        ),
+        false => format!("What moved most, in standard deviations: {named}."),
     };
-    let arrows = match report.corrected {
-        Some(_) => {
-            " Orange arrows: how the CoM of links moves in the corrected URDF, all \
-                    enlarged alike."
-        }
-        None => "",
-    };
+    let arrows = " Orange arrows: how the CoM of links moves in the corrected URDF, all enlarged \
+                  alike.";
+    let arrows = report.corrected.map_or("", |_| arrows);
     format!(
         "{said} Blue links: a parameter of their body is more than {SURE:.0} standard deviations \
          from CAD; grey-blue: more than {CHANCE:.0}, which one parameter in twenty is by chance.\

@@ -19,14 +19,10 @@ const FEW: f64 = 50.0;
 
 /// Parameters with uncertainty, observability and held-out error; lists in full with `long`.
 pub fn text(found: &Identification, next: &[Worded], long: bool) -> String {
-    let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "{} on {}: {} postures, {} readings\n",
-        found.robot,
-        found.supports.join(" and "),
-        found.postures,
-        found.readings
+    let supports = found.supports.join(" and ");
+    let mut out = format!(
+        "{} on {supports}: {} postures, {} readings\n\n",
+        found.robot, found.postures, found.readings
     );
     for finding in &found.health {
         let _ = writeln!(out, "{}\n", wrapped(&finding.sentence, ""));
@@ -43,12 +39,11 @@ pub fn text(found: &Identification, next: &[Worded], long: bool) -> String {
         .collect();
     out += &listed(&bounds, long);
     for pair in found.correlations.iter().take(5) {
+        let correlation = minus(&format!("{:+.3}", pair.correlation));
+        let (a, b) = (&pair.a, &pair.b);
         let _ = writeln!(
             out,
-            "known together   {} and {} (correlation {})",
-            pair.a,
-            pair.b,
-            minus(&format!("{:+.3}", pair.correlation))
+            "known together   {a} and {b} (correlation {correlation})"
         );
     }
     let less = found.down_weighted.iter().map(|posture| {
@@ -82,51 +77,41 @@ pub(super) fn misfit(found: &Identification, p: f64) -> &'static str {
 /// What cannot be seen; what no such data ever tell only as a number.
 fn unseen(found: &Identification, long: bool) -> String {
     let structural = |name: &str| name.starts_with("axis of ") || name.starts_with("r of ");
-    let (moved, named): (Vec<_>, Vec<_>) = found
-        .unobservable
-        .iter()
-        .partition(|unseen| structural(&unseen.name));
-    let named = named.iter().map(|unseen| unseen.sentence.clone());
-    let named = gathered(&named.collect::<Vec<String>>(), long);
-    let moved = (!moved.is_empty()).then(|| {
+    let all = found.unobservable.iter();
+    let named = all.filter(|unseen| !structural(&unseen.name));
+    let named: Vec<String> = named.map(|unseen| unseen.sentence.clone()).collect();
+    let moved = found.unobservable.len() - named.len();
+    let moved = (moved > 0).then(|| {
         format!(
-            "along {} joints mass moves to the parent without a trace (all are named in JSON and \
-             on the page)",
-            moved.len()
+            "along {moved} joints mass moves to the parent without a trace (all are named in JSON \
+             and on the page)"
         )
     });
-    lines(
-        named
-            .into_iter()
-            .chain(moved)
-            .map(|sentence| ("cannot be seen", sentence)),
-    )
+    let all = gathered(&named, long).into_iter().chain(moved);
+    lines(all.map(|sentence| ("cannot be seen", sentence)))
 }
 
 /// All parameters, or those that are furthest from CAD, in their deviations.
 fn parameters(found: &Identification, long: bool) -> String {
-    let mut table = Table::new(&[
-        "parameter",
-        "CAD, mm",
-        "identified, mm",
-        "± std, mm",
-        "told by",
-    ]);
     let mut parameters: Vec<&ParameterFound> = found.parameters.iter().collect();
     let all = long || parameters.len() <= LISTED;
     if !all {
         let moved = |own| moved(own).map_or(0.0, f64::abs);
         parameters.sort_by(|a, b| moved(b).total_cmp(&moved(a)));
     }
-    for parameter in parameters {
-        table.row(&[
-            parameter.name.clone(),
-            mm(parameter.cad),
-            mm(parameter.value),
-            parameter.std.map_or("not seen".to_string(), mm),
-            parameter.source.to_string(),
-        ]);
-    }
+    let titles = [
+        "parameter",
+        "CAD, mm",
+        "identified, mm",
+        "± std, mm",
+        "told by",
+    ];
+    let rows = parameters.into_iter().map(|own| {
+        let std = own.std.map_or("not seen".to_string(), mm);
+        let source = own.source.to_string();
+        [own.name.clone(), mm(own.cad), mm(own.value), std, source]
+    });
+    let table = Table::of(&titles, rows);
     let said = match all {
         true => "",
         false => "The parameters that moved most, in their deviations:\n",
@@ -136,16 +121,22 @@ fn parameters(found: &Identification, long: bool) -> String {
 
 /// What to read first, and the rest.
 fn facts(found: &Identification) -> (Vec<Fact>, Vec<Fact>) {
-    let condition = found.condition_number;
-    let rank = format!("{} of {} base parameters", found.rank, found.base_params);
+    let rank = format!(
+        "{} of {} base parameters, condition number {:.0}",
+        found.rank, found.base_params, found.condition_number
+    );
     let noise = match found.noise_axes {
         [x, y] if (x / y).ln().abs() > 0.05 => format!("{} mm in x, {} mm in y", mm(x), mm(y)),
         _ => format!("{} mm per axis", mm(found.noise_floor)),
     };
+    // How well it is known, where that is little.
+    let known = found.noise_df.filter(|df| *df < FEW);
+    let known = known.map(|df| format!(" with {df:.0} degrees of freedom"));
+    let source = found.noise_source.phrase().to_string() + &known.unwrap_or_default();
     let mut facts = vec![
-        ("rank", format!("{rank}, condition number {condition:.0}")),
+        ("rank", rank),
         ("prior", found.prior.clone()),
-        ("noise", format!("{noise}, {}", source(found))),
+        ("noise", format!("{noise}, {source}")),
     ];
     facts.extend(about_data(
         found.samples.sentence(),
@@ -154,17 +145,17 @@ fn facts(found: &Identification) -> (Vec<Fact>, Vec<Fact>) {
         found.closure.as_ref(),
         found.visits.as_ref(),
     ));
-    let mut first = Vec::new();
-    if let Some(test) = found.lack_of_fit {
-        let (ratio, chance) = (test.ratio, chance(test.p_value));
-        let misfit = misfit(found, test.p_value);
-        let text = format!("{ratio:.2} times the noise's mean square ({chance}): {misfit}");
-        first.push(("lack of fit", text));
-    } else {
-        let text =
-            "not known: the noise is taken from what the fit leaves; repeated readings tell it";
-        first.push(("lack of fit", text.to_string()));
-    }
+    let lack_of_fit = match found.lack_of_fit {
+        Some(test) => format!(
+            "{:.2} times the noise's mean square ({}): {}",
+            test.ratio,
+            chance(test.p_value),
+            misfit(found, test.p_value)
+        ),
+        None => "not known: the noise is taken from what the fit leaves; repeated readings tell it"
+            .to_string(),
+    };
+    let mut first = vec![("lack of fit", lack_of_fit)];
     if found.folds > 0 {
         let text = format!(
             "{} ± {} mm RMS per axis, on readings of postures the fit did not see ({} folds); CAD \
@@ -192,47 +183,34 @@ fn facts(found: &Identification) -> (Vec<Fact>, Vec<Fact>) {
     (first, facts)
 }
 
-/// Where the noise comes from, and how well it is known where that is little.
-fn source(found: &Identification) -> String {
-    let from = found.noise_source.phrase();
-    match found.noise_df.filter(|df| *df < FEW) {
-        Some(df) => format!("{from} with {df:.0} degrees of freedom"),
-        None => from.to_string(),
-    }
-}
-
 /// The console's account of a corrected URDF: links that changed, by how much.
 pub fn corrections(corrected: &Corrected, long: bool) -> String {
-    let mut table = Table::new(&[
+    let titles = [
         "corrected link",
         "CAD, kg",
         "mass, kg",
         "change, %",
         "CoM moved, mm",
-    ]);
-    for change in &corrected.links {
+    ];
+    let rows = corrected.links.iter().map(|change| {
         let [old, new] = change.mass;
         let relative = match old > 0.0 {
             true => format!("{:+.2}", 100.0 * (new / old - 1.0)),
             false => "new".to_string(),
         };
-        table.row(&[
-            change.link.clone(),
-            format!("{old:.4}"),
-            format!("{new:.4}"),
-            relative,
+        let ([old, new], moved) = (
+            [old, new].map(|x| format!("{x:.4}")),
             table::mm(change.shift()),
-        ]);
-    }
-    let mut out = format!("\n{}", table.listed(long));
-    let _ = writeln!(
-        out,
-        "\nThe URDF weighs {:.4} kg; inertia is scaled with the mass of its link: a robot at rest \
-         tells nothing of it.",
-        corrected.total_mass
-    );
-    for bound in &corrected.active_bounds {
-        let _ = writeln!(out, "held by a bound  {bound}");
-    }
-    out
+        );
+        [change.link.clone(), old, new, relative, moved]
+    });
+    let bounds = corrected.active_bounds.iter();
+    let bounds = bounds.map(|bound| format!("held by a bound  {bound}\n"));
+    format!(
+        "\n{}\nThe URDF weighs {:.4} kg; inertia is scaled with the mass of its link: a robot at \
+         rest tells nothing of it.\n{}",
+        Table::of(&titles, rows).listed(long),
+        corrected.total_mass,
+        bounds.collect::<String>()
+    )
 }

@@ -11,10 +11,9 @@ use super::{headline, outcomes, twice};
 
 /// What was found, for people.
 pub fn text(fleet: &Fleet, summary: &Summary, long: bool) -> String {
-    let mut table = Table::new(&["verdict", "rows"]);
-    for (verdict, count) in outcomes(fleet.rows.iter()) {
-        table.row(&[verdict.to_string(), count.to_string()]);
-    }
+    let outcomes = outcomes(fleet.rows.iter()).into_iter();
+    let outcomes = outcomes.map(|(verdict, count)| [verdict.to_string(), count.to_string()]);
+    let table = Table::of(&["verdict", "rows"], outcomes);
     let robots: BTreeSet<&str> = fleet.rows.iter().map(|row| row.robot.as_str()).collect();
     let (shared, changes) = (summary.shared.iter(), summary.changes.iter());
     let headline = headline(shared.len(), changes.len(), fleet.failed.len());
@@ -33,27 +32,21 @@ pub fn text(fleet: &Fleet, summary: &Summary, long: bool) -> String {
     let first = first.map(|r| format!("{} (place {}): {}", r.robot, r.places_in_words(), r.why));
     let failed = fleet.failed.iter();
     let failed = failed.map(|failed| format!("{}: {}", failed.input, failed.error));
-    let twice: Vec<String> = fleet.twice.iter().map(twice).collect();
-    for (title, lines) in [
+    let lists: [(&str, Vec<String>); 5] = [
         ("What robots share", shared.collect()),
         ("What changed", changes.collect()),
         ("Look at these first", first.collect()),
         ("Logs with errors", failed.collect()),
-        ("Logs that came twice", twice),
-    ] {
-        out += &list(title, &lines, long);
+        (
+            "Logs that came twice",
+            fleet.twice.iter().map(twice).collect(),
+        ),
+    ];
+    for (title, lines) in lists.into_iter().filter(|(_, lines)| !lines.is_empty()) {
+        // A line break of a path is no line of the report.
+        let lines = lines.iter().map(|line| format!("  {}", visible(line)));
+        let lines: Vec<String> = lines.collect();
+        out += &format!("{title}:\n{}\n", listed(&lines, long));
     }
     out
-}
-
-fn list(title: &str, lines: &[String], long: bool) -> String {
-    if lines.is_empty() {
-        return String::new();
-    }
-    // A line break of a path is no line of the report.
-    let lines: Vec<String> = lines
-        .iter()
-        .map(|line| format!("  {}", visible(line)))
-        .collect();
-    format!("{title}:\n{}\n", listed(&lines, long))
 }
