@@ -1,22 +1,19 @@
-//! Questions to the library about recordings of virtual robots.
+//! Questions to the library about logs of virtual robots, and what is read of the answers.
 
 use std::sync::Arc;
 
-use sesc_identify::logs::{LogSource, Table};
+use sesc_identify::diagnose::{self, Diagnosis};
+use sesc_identify::fit::{self, Identification};
+use sesc_identify::health::Finding;
+use sesc_identify::logs::LogSource;
 use sesc_identify::robot::Robot;
-use sesc_identify::{diagnose, fit};
+pub use sesc_test_support::recording::table;
 use sesc_test_support::recording::{Kind, Noise, Recording};
 use sesc_test_support::stage::Stage;
 
 /// White noise of `std` m.
 pub fn white(std: f64) -> Noise {
     Noise::new(Kind::White, std)
-}
-
-/// A log of these columns.
-pub fn table(columns: Vec<(String, Vec<f64>)>) -> Table {
-    let add = |table: Table, (name, values): (String, Vec<f64>)| table.numbers(&name, values);
-    columns.into_iter().fold(Table::new("log"), add)
 }
 
 /// The robot of a stage as CAD has it.
@@ -42,5 +39,48 @@ pub fn fit_request(stage: &Stage, log: impl Into<LogSource>) -> fit::Request {
 
 /// The same for a diagnosis of a recording.
 pub fn of_recording(stage: &Stage, recording: &Recording) -> diagnose::Request {
-    request(stage, table(recording.columns(true)))
+    request(stage, recording.table(true))
+}
+
+/// The answer of a diagnosis.
+pub fn diagnosed(request: &diagnose::Request) -> Diagnosis {
+    let found = diagnose::diagnose(request, &mut ()).unwrap().diagnosis;
+    println!("{:?} {}", found.verdict, found.sentence);
+    found
+}
+
+/// The answer of a fit.
+pub fn fitted(request: &fit::Request) -> Identification {
+    fit::fit(request, &mut ()).unwrap().identification
+}
+
+/// Effects that a diagnosis names, with their targets, sorted.
+pub fn labels(found: &Diagnosis) -> Vec<String> {
+    let steps = found.steps.iter();
+    let mut labels: Vec<String> = steps
+        .map(|step| format!("{}:{}", step.effect, step.target))
+        .collect();
+    labels.sort();
+    labels
+}
+
+/// Whether an explanation of the class is this, in any order.
+pub fn is_listed(found: &Diagnosis, truth: &[&str]) -> bool {
+    let same = |all: &Vec<String>| {
+        all.len() == truth.len() && truth.iter().all(|one| all.iter().any(|x| x == one))
+    };
+    found.indistinguishable.iter().any(same)
+}
+
+/// Fails where it is not.
+#[track_caller]
+pub fn lists(found: &Diagnosis, truth: &[&str]) {
+    let class = &found.indistinguishable;
+    assert!(is_listed(found, truth), "{truth:?} is not in {class:?}");
+}
+
+/// Kinds of findings about the data, and what each is of.
+pub fn kinds(health: &[Finding]) -> Vec<(&str, &str)> {
+    let health = health.iter();
+    health.map(|h| (h.kind.name(), &*h.target)).collect()
 }

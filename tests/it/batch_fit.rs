@@ -21,31 +21,34 @@ fn truth() -> [f64; N] {
 fn data(count: usize, middle: f64, range: f64, noise: f64) -> Postures {
     let mut rng = ChaCha8Rng::seed_from_u64(count as u64);
     let mut within = |size: f64| size * (2.0 * rng.random::<f64>() - 1.0);
-    let q: Vec<[f64; DOF]> = (0..count)
-        .map(|_| core::array::from_fn(|_| middle + within(range)))
-        .collect();
-    let cop = q
-        .iter()
-        .map(|q| op2::cop(q, &truth()).map(|x| x + within(noise)));
-    let cop = cop.collect();
+    let mut posture = || core::array::from_fn(|_| middle + within(range));
+    let q: Vec<[f64; DOF]> = (0..count).map(|_| posture()).collect();
+    let mut reading = |q| op2::cop(q, &truth()).map(|x| x + within(noise));
+    let cop = q.iter().map(&mut reading).collect();
     (q, cop)
+}
+
+fn batch(start: &Estimator<f64, N>, simd: Simd, (q, cop): &Postures) -> Estimator<f64, N> {
+    start.batch::<Op2RSole>(simd, q, cop, &STD).unwrap()
+}
+
+/// Those from one on, up to another.
+fn part((q, cop): &Postures, rows: std::ops::Range<usize>) -> Postures {
+    (q[rows.clone()].to_vec(), cop[rows].to_vec())
 }
 
 fn in_turn(start: &Estimator<f64, N>, (q, cop): &Postures) -> Estimator<f64, N> {
     let mut estimator = start.clone();
     for (q, cop) in q.iter().zip(cop) {
-        estimator
-            .posture(&op2::regressor_cop(q), cop, &STD)
-            .unwrap();
+        let rows = op2::regressor_cop(q);
+        estimator.posture(&rows, cop, &STD).unwrap();
     }
     estimator
 }
 
 fn worst(a: &[f64; N], b: &[f64; N]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max)
+    let off = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    off.fold(0.0, f64::max)
 }
 
 /// Householder on the weighted rows: no product of rows anywhere.
@@ -62,9 +65,8 @@ fn householder((q, cop): &Postures) -> [f64; N] {
         weight(i) * (cop[i / 2][i % 2] - nominal)
     });
     let (orthogonal, triangle) = matrix.qr().unpack();
-    let change = triangle
-        .solve_upper_triangular(&orthogonal.tr_mul(&off))
-        .unwrap();
+    let change = triangle.solve_upper_triangular(&orthogonal.tr_mul(&off));
+    let change = change.unwrap();
     let mut params = CAD_PARAMS;
     for (k, change) in observable.into_iter().zip(change.iter()) {
         params[k] += change;
@@ -82,9 +84,7 @@ fn it_is_what_postures_in_turn_give() {
         for start in [&start, &believed] {
             let turn = in_turn(start, &data);
             for simd in Simd::available() {
-                let batch = start
-                    .batch::<Op2RSole>(simd, &data.0, &data.1, &STD)
-                    .unwrap();
+                let batch = batch(start, simd, &data);
                 let what = format!("{count} on {}", simd.name());
                 assert_eq!(batch.rank(), turn.rank(), "{what}");
                 assert_eq!(batch.postures(), count as u64, "{what}");
@@ -96,20 +96,13 @@ fn it_is_what_postures_in_turn_give() {
                 batch.covariance(&mut mine);
                 turn.covariance(&mut theirs);
                 for (mine, theirs) in mine.as_flattened().iter().zip(theirs.as_flattened()) {
-                    assert!(
-                        mine == theirs || (mine - theirs).abs() < 1e-6 * (1e-6 + theirs.abs()),
-                        "{what}"
-                    );
+                    let within = (mine - theirs).abs() < 1e-6 * (1e-6 + theirs.abs());
+                    assert!(mine == theirs || within, "{what}");
                 }
                 assert_eq!(batch.degrees_of_freedom(), turn.degrees_of_freedom());
-                let (mine, theirs) = (
-                    batch.residual_sum_of_squares(),
-                    turn.residual_sum_of_squares(),
-                );
-                assert!(
-                    (mine - theirs).abs() < 1e-9 * theirs + 1e-12,
-                    "{what}: {mine} {theirs}"
-                );
+                let [mine, theirs] = [&batch, &turn].map(Estimator::residual_sum_of_squares);
+                let within = 1e-9 * theirs + 1e-12;
+                assert!((mine - theirs).abs() < within, "{what}: {mine} {theirs}");
             }
         }
     }
@@ -123,9 +116,7 @@ fn it_finds_the_truth_to_the_last_digits() {
     expected[2] = CAD_PARAMS[2];
     for simd in Simd::available() {
         let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
-        let found = start
-            .batch::<Op2RSole>(simd, &data.0, &data.1, &STD)
-            .unwrap();
+        let found = batch(&start, simd, &data);
         let off = worst(&found.params(), &expected);
         println!("{}: {off:.1e} m", simd.name());
         assert!(off < 2e-15, "{off:e}");
@@ -141,15 +132,11 @@ fn narrow_postures_cost_no_digits() {
         let exact = householder(&data);
         for simd in Simd::available() {
             let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
-            let found = start
-                .batch::<Op2RSole>(simd, &data.0, &data.1, &STD)
-                .unwrap();
+            let found = batch(&start, simd, &data);
             let off = worst(&found.params(), &exact);
             let turn = worst(&in_turn(&start, &data).params(), &exact);
-            println!(
-                "±{range} on {}: {off:.1e} m, in turn {turn:.1e} m",
-                simd.name()
-            );
+            let name = simd.name();
+            println!("±{range} on {name}: {off:.1e} m, in turn {turn:.1e} m");
             assert!(off < within.max(20.0 * turn), "±{range}: {off:e}");
         }
     }
@@ -157,38 +144,26 @@ fn narrow_postures_cost_no_digits() {
 
 #[test]
 fn shares_merge_into_the_whole() {
-    let (q, cop) = data(4_000, 0.0, 0.5, 1e-3);
+    let data = data(4_000, 0.0, 0.5, 1e-3);
     let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
-    let whole = start
-        .batch::<Op2RSole>(Simd::best(), &q, &cop, &STD)
-        .unwrap();
-    let mut first = start
-        .batch::<Op2RSole>(Simd::best(), &q[..1500], &cop[..1500], &STD)
-        .unwrap();
-    let second = start
-        .batch::<Op2RSole>(Simd::best(), &q[1500..], &cop[1500..], &STD)
-        .unwrap();
+    let whole = batch(&start, Simd::best(), &data);
+    let mut first = batch(&start, Simd::best(), &part(&data, 0..1500));
+    let second = batch(&start, Simd::best(), &part(&data, 1500..4_000));
     first.merge(&second).unwrap();
     assert_eq!(first.postures(), 4_000);
     assert!(worst(&first.params(), &whole.params()) < 1e-12);
     // What is known already counts.
-    let other = first
-        .batch::<Op2RSole>(Simd::best(), &q[..800], &cop[..800], &STD)
-        .unwrap();
-    let turn = in_turn(&first, &(q[..800].to_vec(), cop[..800].to_vec()));
+    let more = part(&data, 0..800);
+    let (other, turn) = (batch(&first, Simd::best(), &more), in_turn(&first, &more));
     assert!(worst(&other.params(), &turn.params()) < 1e-12);
 }
 
 #[test]
 fn forgetting_feeds_in_turn() {
     let data = data(300, 0.0, 0.5, 1e-3);
-    let start = Estimator::with_nominal(&CAD_PARAMS)
-        .unwrap()
-        .forgetting(0.99)
-        .unwrap();
-    let found = start
-        .batch::<Op2RSole>(Simd::best(), &data.0, &data.1, &STD)
-        .unwrap();
+    let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
+    let start = start.forgetting(0.99).unwrap();
+    let found = batch(&start, Simd::best(), &data);
     assert_eq!(found, in_turn(&start, &data));
 }
 
@@ -197,9 +172,8 @@ fn what_is_no_number_is_refused() {
     let start = Estimator::with_nominal(&CAD_PARAMS).unwrap();
     let (q, cop) = data(100, 0.0, 0.5, 1e-3);
     let fit = |q: &[[f64; DOF]], cop: &[[f64; 2]], std: [f64; 2]| {
-        start
-            .batch::<Op2RSole>(Simd::best(), q, cop, &std)
-            .map(|found| found.postures())
+        let found = start.batch::<Op2RSole>(Simd::best(), q, cop, &std);
+        found.map(|found| found.postures())
     };
     assert_eq!(fit(&q, &cop, STD), Ok(100));
     let lengths = Error::Length {

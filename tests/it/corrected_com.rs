@@ -4,29 +4,10 @@
 //! `cargo xtask study com` asks at length.
 
 use rayon::prelude::*;
-use sesc_test_support::examine::com::{Corrected, GOAL, MOVED_M, examine};
+use sesc_test_support::examine::com::{GOAL, MOVED_M, examine};
 use sesc_test_support::hidden::{Effect, Hidden};
 use sesc_test_support::stage::Platform;
 use sesc_test_support::trial::{Choice, Trial};
-
-fn corrected(effect: Effect, target: &str, values: &[f64]) -> Corrected {
-    let choice = Choice {
-        platforms: vec![Platform::Op2],
-        only: None,
-        body: true,
-        long: false,
-        held: 0.0,
-    };
-    let hidden = Hidden {
-        effect,
-        target: target.to_owned(),
-        values: values.to_vec(),
-        begins: 0.0,
-        seed: 1,
-    };
-    let trial = Trial::of(vec![hidden], &choice, 1).unwrap();
-    examine(&trial, tempfile::tempdir().unwrap().path()).unwrap()
-}
 
 #[test]
 fn every_effect_of_the_body_is_corrected() {
@@ -39,7 +20,9 @@ fn every_effect_of_the_body_is_corrected() {
         (Effect::Payload, "r_el_link", &[0.2, 0.0, 0.0, -0.008]),
     ];
     hidden.par_iter().for_each(|(effect, target, values)| {
-        let found = corrected(*effect, target, values);
+        let hidden = Hidden::new(*effect, target, values);
+        let trial = Trial::of(vec![hidden], &Choice::on(Platform::Op2), 1).unwrap();
+        let found = examine(&trial, tempfile::tempdir().unwrap().path()).unwrap();
         assert!(found.before_m > MOVED_M, "{found:?}");
         assert!(found.listed, "{found:?}");
         assert!(found.ratio() < GOAL, "{found:?}");

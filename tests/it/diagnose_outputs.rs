@@ -1,9 +1,6 @@
 //! What `sesc diagnose` writes besides the model file: the corrected URDF, read back by
 //! the reference, against a virtual robot with the same imperfections.
 
-use std::collections::BTreeMap;
-use std::fs;
-
 use sesc::OP2_URDF;
 use sesc_identify::diagnose::remedy::{CorrectedUrdf, of_model_file};
 use sesc_identify::fit::prior::{Prior, Tolerances};
@@ -12,7 +9,8 @@ use sesc_identify::simulate::Simulator;
 use sesc_model::effects::Catalog;
 use sesc_model::{EffectRecord, ModelFile, Quantity, Snapping};
 use sesc_reference::{Place, Reference, World};
-use sesc_test_support::command::{folder, in_words, refused, sesc, stdout};
+use sesc_test_support::command::{Folder, list, says};
+use sesc_test_support::trees::{Kind, tree};
 
 const LIFT_BASE: &str = include_str!("../../robots/lift_base/lift_base.urdf");
 /// Both sides sum the same masses in another order, m.
@@ -26,7 +24,7 @@ fn effect(name: &str, target: &str, values: &[(&str, f64)]) -> EffectRecord {
     EffectRecord {
         effect: name.to_string(),
         target: target.to_string(),
-        parameters: values.iter().map(quantity).collect::<BTreeMap<_, _>>(),
+        parameters: values.iter().map(quantity).collect(),
         ..EffectRecord::default()
     }
 }
@@ -53,17 +51,9 @@ fn corrected(
     let cad = model.cad_params();
     let mut file = ModelFile::from_values(&model, params.unwrap_or(&cad), None, "data");
     file.effects = effects;
-    let prior = Prior::Cad(Tolerances::usual());
-    of_model_file(
-        &file,
-        &robot,
-        &model,
-        &Catalog::standard(),
-        Snapping::Off,
-        &prior,
-        None,
-    )
-    .unwrap()
+    let (catalog, prior) = (Catalog::standard(), Prior::Cad(Tolerances::usual()));
+    let snapping = Snapping::Off;
+    of_model_file(&file, &robot, &model, &catalog, snapping, &prior, None).unwrap()
 }
 
 /// `text` as the reference reads it, with the joints that the robot of `original` has on `support`.
@@ -149,15 +139,11 @@ fn the_corrected_op2_stands_as_the_real_one() {
 fn followers_and_slides_follow_in_lift_base() {
     let robot = sesc_reference::Robot::from_urdf(LIFT_BASE).unwrap();
     let joints: Vec<String> = robot.movable_joints().map(|j| j.name.clone()).collect();
-    let mut effects: Vec<EffectRecord> = joints
-        .iter()
-        .enumerate()
-        .map(|(k, joint)| offset(joint, 0.01 + 0.003 * k as f64))
-        .collect();
-    let heaviest = robot
-        .links()
-        .iter()
-        .max_by(|a, b| a.mass_kg.total_cmp(&b.mass_kg));
+    let offsets = joints.iter().enumerate();
+    let offsets = offsets.map(|(k, joint)| offset(joint, 0.01 + 0.003 * k as f64));
+    let mut effects: Vec<EffectRecord> = offsets.collect();
+    let links = robot.links().iter();
+    let heaviest = links.max_by(|a, b| a.mass_kg.total_cmp(&b.mass_kg));
     let base = heaviest.unwrap().name.clone();
     effects.push(payload(&base, -1.5, [0.1, -0.05, 0.2]));
     let last = robot.links().last().unwrap().name.clone();
@@ -166,28 +152,24 @@ fn followers_and_slides_follow_in_lift_base() {
     let world = world(LIFT_BASE, "base_link", &effects);
     let off = worst(&found.text, "base_link", &world, LIFT_BASE);
     assert!(off < AGREES, "{off:e}");
-    assert_eq!(
-        found.text.matches("<!--").count(),
-        LIFT_BASE.matches("<!--").count()
-    );
+    let comments = |text: &str| text.matches("<!--").count();
+    assert_eq!(comments(&found.text), comments(LIFT_BASE));
 }
 
 #[test]
 fn random_robots_stand_as_they_really_do() {
     for seed in 0..40 {
-        let kind = sesc_test_support::trees::Kind {
+        let kind = Kind {
             joints: 3 + seed as usize % 9,
             canonical: seed % 3 == 0,
             revolute: false,
             chained: 0.6,
         };
-        let (text, _) = sesc_test_support::trees::tree(seed, kind);
+        let (text, _) = tree(seed, kind);
         let robot = read(&text, &text, "link-1");
-        let mut effects: Vec<EffectRecord> = robot
-            .movable_joints()
-            .enumerate()
-            .map(|(k, joint)| offset(&joint.name, 0.3 - 0.1 * k as f64))
-            .collect();
+        let joints = robot.movable_joints().enumerate();
+        let offsets = joints.map(|(k, joint)| offset(&joint.name, 0.3 - 0.1 * k as f64));
+        let mut effects: Vec<EffectRecord> = offsets.collect();
         effects.push(payload("link-1", 0.4, [0.1, 0.2, -0.3]));
         let found = corrected(&text, "link-1", effects.clone(), None);
         let world = world(&text, "link-1", &effects);
@@ -204,34 +186,24 @@ fn masses_come_along_and_what_no_urdf_holds_is_named() {
         .and_then(|world| world.joint_offset("r_knee", 0.02))
         .unwrap();
     // What data would tell of that robot: its base parameters.
-    let link = heavier
-        .robot()
-        .links()
-        .iter()
-        .position(|l| l.name == "body_link");
-    let link = &heavier.robot().links()[link.unwrap()];
+    let mut links = heavier.robot().links().iter();
+    let link = links.find(|l| l.name == "body_link").unwrap();
     let weight = sesc_model::urdf::Weight {
         mass_kg: link.mass_kg,
         com_m: link.com_m.coords.into(),
     };
     let cad = Robot::parse(OP2_URDF, "op2.urdf").unwrap();
     let links = cad.description.links.iter();
-    let weights: Vec<_> = links
-        .map(|l| (l.name == "body_link").then_some(weight))
-        .collect();
+    let weights = links.map(|l| (l.name == "body_link").then_some(weight));
+    let weights: Vec<_> = weights.collect();
     let text = sesc_model::urdf::edit_masses(&cad.description, &weights).unwrap();
     let params = Robot::parse(&text, "op2.urdf").unwrap();
-    let params = params
-        .model("r_sole", Snapping::Off, None)
-        .unwrap()
-        .cad_params();
+    let params = params.model("r_sole", Snapping::Off, None).unwrap();
+    let params = params.cad_params();
+    let sensor = [("offset_x_m", 0.001), ("offset_y_m", 0.0)];
     let effects = vec![
         offset("r_knee", 0.02),
-        effect(
-            "sensor_offset",
-            "-",
-            &[("offset_x_m", 0.001), ("offset_y_m", 0.0)],
-        ),
+        effect("sensor_offset", "-", &sensor),
         effect("joint_scale", "l_knee", &[("scale", 1.02)]),
         payload("l_ank_roll_link", -50.0, [0.0; 3]),
     ];
@@ -239,113 +211,87 @@ fn masses_come_along_and_what_no_urdf_holds_is_named() {
     let off = worst(&found.text, "r_sole", &heavier, OP2_URDF);
     assert!(off < 1e-10, "{off:e}");
     let said = found.left_out.join("\n");
-    for words in [
-        "sensor_offset stays in the model file",
-        "joint_scale:l_knee stays in the model file",
-        "payload:l_ank_roll_link stays in the model file",
+    for effect in [
+        "sensor_offset",
+        "joint_scale:l_knee",
+        "payload:l_ank_roll_link",
     ] {
-        assert!(said.contains(words), "{said}");
+        says(&said, &[&format!("{effect} stays in the model file")]);
     }
     assert_eq!(found.left_out.len(), 3, "{said}");
 }
 
 #[test]
 fn the_command_says_what_to_change() {
-    let folder = folder();
-    let [truth, log, model_file, urdf, page] = [
-        "truth.toml",
-        "log.csv",
-        "model.toml",
-        "corrected.urdf",
-        "page.html",
-    ]
-    .map(|name| folder.path().join(name).display().to_string());
-    let arm = "robots/two_link/two_link.urdf";
-    let robot = Robot::read(arm.as_ref()).unwrap();
+    let folder = Folder::with("two_link");
+    let robot = Robot::read(&folder.join("two_link.urdf")).unwrap();
     let support = robot.description.links[0].name.clone();
     let model = robot.model(&support, Snapping::default(), None).unwrap();
     let mut file = ModelFile::from_values(&model, &model.cad_params(), None, "data");
     let joint = model.tree.dofs.last().unwrap().joint.clone();
     let sensor = [("offset_x_m", 0.02), ("offset_y_m", -0.01)];
     file.effects = vec![offset(&joint, 0.05), effect("sensor_offset", "-", &sensor)];
-    fs::write(&truth, toml::to_string(&file).unwrap()).unwrap();
-    let simulate = in_words(
-        "simulate @ --support @ --poses 80 --noise 0.0005 --seed 3 --model @ --out @",
-        &[arm, &support, &truth, &log],
-    );
-    stdout(&sesc(&simulate));
-    let diagnose = |more: &[&str]| {
-        let all = in_words(
-            "diagnose @ --support @ --data @ --out @",
-            &[arm, &support, &log, &model_file],
-        );
-        stdout(&sesc(&[&all[..], more].concat()))
-    };
+    folder.write("truth.toml", toml::to_string(&file).unwrap());
+    let on = format!("two_link.urdf --support {support}");
+    let log = "--poses 80 --noise 0.0005 --seed 3 --model truth.toml --out log.csv";
+    folder.stdout(&format!("simulate {on} {log}"));
     // Ticks fall as the angle rises, 1024 a turn: 0.05 rad are 8.1 ticks.
     let servos = format!("[joints.{joint}]\nzero = 500\nsign = -1\nresolution = 1024\n");
-    let servos = sesc_test_support::command::write(folder.path(), "servos.toml", servos);
-    let said = diagnose(&["--servos", &servos, "--report", &page]);
-    for words in [
-        format!("true angle of {joint} = reading + 2.8"),
-        "zero 500 → 508".to_string(),
-        "URDF line ".to_string(),
-        "  becomes        <origin ".to_string(),
-        "true CoP = reading − ".to_string(),
-        "not in a URDF  a URDF describes no CoP sensor".to_string(),
-        "NAME_model_com(q, com);".to_string(),
-    ] {
-        assert!(said.contains(&words), "{words}: {said}");
-    }
-    let page = fs::read_to_string(&page).unwrap();
-    for words in ["zero 500 → 508", "URDF line ", "not in a URDF", "model_com"] {
-        assert!(page.contains(words), "{words}");
-    }
+    folder.write("servos.toml", servos);
+    let diagnose = format!("diagnose {on} --data {} --out", folder.at("log.csv"));
+    let [model_file, page] = ["model.toml", "page.html"].map(|name| folder.at(name));
+    let said = folder.stdout(&format!(
+        "{diagnose} {model_file} --servos servos.toml --report {page}"
+    ));
+    let angle = format!("true angle of {joint} = reading + 2.8");
+    let model_com = "NAME_model_com(q, com);";
+    let lines = ["zero 500 → 508", "URDF line ", "  becomes        <origin "];
+    let sensor = [
+        "true CoP = reading − ",
+        "not in a URDF  a URDF describes no CoP sensor",
+    ];
+    says(said, &[&lines[..], &sensor, &[&angle, model_com]].concat());
+    let page = folder.read("page.html");
+    says(
+        &page,
+        &["zero 500 → 508", "URDF line ", "not in a URDF", "model_com"],
+    );
     assert!(!page.contains(&folder.path().display().to_string()));
 
-    let json: serde_json::Value =
-        serde_json::from_str(&diagnose(&["--json", "--urdf", &urdf])).unwrap();
-    Robot::read(urdf.as_ref()).unwrap();
-    let steps = json["steps"].as_array().unwrap();
-    let step = |name: &str| steps.iter().find(|step| step["effect"] == name).unwrap();
-    let remedy = &step("joint_offset")["remedy"];
+    let json = folder.json(&format!("{diagnose} model.toml --urdf corrected.urdf"));
+    Robot::read(&folder.join("corrected.urdf")).unwrap();
+    let remedy = |name: &str| {
+        let mut steps = list(&json, "/steps").iter();
+        &steps.find(|step| step["effect"] == name).unwrap()["remedy"]
+    };
+    let of_joint = remedy("joint_offset");
     // No servos were given here.
-    assert!(remedy.get("servo_zero").is_none());
+    assert!(of_joint.get("servo_zero").is_none());
     // The line that is named holds what stands there before.
-    let [before, line] = ["before", "line"].map(|key| &remedy["urdf"][key]);
-    let text = fs::read_to_string(arm).unwrap();
-    let there = text
-        .lines()
-        .nth(line.as_u64().unwrap() as usize - 1)
-        .unwrap();
-    assert!(there.contains(before.as_str().unwrap()), "{there} {before}");
-    assert!(remedy.get("not_in_urdf").is_none());
-    let sensor = &step("sensor_offset")["remedy"];
+    let line = of_joint["urdf"]["line"].as_u64().unwrap() as usize;
+    let text = folder.read("two_link.urdf");
+    let before = of_joint["urdf"]["before"].as_str().unwrap();
+    says(text.lines().nth(line - 1).unwrap(), &[before]);
+    assert!(of_joint.get("not_in_urdf").is_none());
+    let sensor = remedy("sensor_offset");
     assert!(sensor.get("urdf").is_none() && sensor.get("servo_zero").is_none());
     let left_out = json["left_out_of_urdf"][0].as_str().unwrap();
     assert!(left_out.starts_with("sensor_offset stays in the model file: a URDF describes no"));
     // The C call is one that the command generates.
-    let out = folder.path().join("c").display().to_string();
-    let generate = in_words(
-        "generate @ --support @ --lang c --name arm --model @ --out @",
-        &[arm, &support, &model_file, &out],
-    );
-    stdout(&sesc(&generate));
-    let header = fs::read_to_string(folder.path().join("c/arm.h")).unwrap();
+    folder.stdout(&format!(
+        "generate {on} --lang c --name arm --model model.toml --out c"
+    ));
     let call = json["use"]["c"].as_str().unwrap().replace("NAME", "arm");
     let function = call.split('(').next().unwrap();
-    assert!(
-        header.contains(&format!("void {function}(const ")),
-        "{function}"
+    says(
+        folder.read("c/arm.h"),
+        &[&format!("void {function}(const ")],
     );
-    assert_eq!(json["use"]["build_rs"], format!(".model({model_file:?})"));
-    assert_eq!(
-        json["use"]["generate"],
-        format!("sesc generate {arm} --support {support} --lang c --model {model_file}")
-    );
+    assert_eq!(json["use"]["build_rs"], ".model(\"model.toml\")");
+    let generate = format!("sesc generate {on} --lang c --model model.toml");
+    assert_eq!(json["use"]["generate"], generate);
 
-    let stray = sesc_test_support::command::write(folder.path(), "stray.toml", "[joints.kne]\n");
-    refused(
-        &sesc(&["diagnose", arm, "--data", &log, "--servos", &stray]),
-        &["kne", &joint],
-    );
+    folder.write("stray.toml", "[joints.kne]\n");
+    let stray = "diagnose two_link.urdf --data log.csv --servos stray.toml";
+    folder.refuses(stray, &["kne", &joint]);
 }

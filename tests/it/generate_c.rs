@@ -5,7 +5,8 @@ use std::fs;
 use std::process::{Command, Output};
 
 use sesc_model::Function;
-use sesc_test_support::command::{Folder, printed, refused, stderr, stdout};
+use sesc_test_support::command::{Folder, files, printed, refused, rows, says, stderr, stdout};
+use sesc_test_support::trees::Urdf;
 
 /// `sesc generate` of the OP2 in C, into `fw`, with more arguments.
 fn generate(folder: &Folder, more: &str) -> Output {
@@ -16,21 +17,19 @@ fn generate(folder: &Folder, more: &str) -> Output {
 
 /// Refuses each row of a table of arguments and words, and nothing is written.
 fn refuses_each(folder: &Folder, table: &str) {
-    for row in table.lines() {
-        let mut cells = row.split(" | ").map(str::trim);
-        let output = generate(folder, cells.next().unwrap());
-        refused(&output, &cells.collect::<Vec<_>>());
-        assert!(!folder.join("fw").exists(), "{row}");
+    for row in rows(table) {
+        let cells: Vec<&str> = row.iter().map(String::as_str).collect();
+        refused(&generate(folder, cells[0]), &cells[1..]);
+        assert!(!folder.join("fw").exists(), "{row:?}");
     }
 }
 
 /// Names of what was written.
 fn written(folder: &Folder) -> Vec<String> {
-    let entries = fs::read_dir(folder.join("fw")).unwrap();
-    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let mut names: Vec<String> = names.collect();
-    names.sort();
-    names
+    let files = files(&folder.join("fw")).into_keys();
+    files
+        .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned())
+        .collect()
 }
 
 #[test]
@@ -89,14 +88,8 @@ fn functions_that_are_not_asked_for_are_left_out() {
             format!("#include \"{name}.h\"\nint main(void) {{ return {name}_selftest(); }}\n");
         folder.write("fw/main.c", main);
         let mut cc = Command::new("cc");
-        cc.args([
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-            "-Wno-psabi",
-            "-O0",
-            "fw/main.c",
-        ]);
+        let flags = "-Wall -Wextra -Werror -Wno-psabi -O0 fw/main.c";
+        cc.args(flags.split(' '));
         cc.args([&format!("fw/{name}.c"), "-o", "program"]);
         printed(cc.current_dir(folder.path()));
         printed(&mut Command::new(folder.join("program")));
@@ -149,17 +142,15 @@ fn folders_that_cannot_be_written_are_named() {
 fn ranges_that_32_bits_do_not_hold_are_named_with_the_robots_size() {
     let folder = Folder::empty();
     for (kind, factor) in [("prismatic", "1e7"), ("revolute", "50")] {
-        let joint = |name: &str, parent: &str, child: &str, mimic: &str| {
-            format!(
-                "<link name='{child}'><inertial><origin xyz='0.1 0.2 0.3'/><mass value='1'/>\
-                 </inertial></link><joint name='{name}' type='{kind}'><parent link='{parent}'/>\
-                 <child link='{child}'/><axis xyz='1 0 0'/><limit lower='-900' upper='900'/>\
-                 {mimic}</joint>"
-            )
-        };
-        let follower = format!("<mimic joint='rail' multiplier='{factor}'/>");
-        let joints = joint("rail", "base", "arm", "") + &joint("far", "arm", "hand", &follower);
-        let robot = format!("<robot name='long'><link name='base'/>{joints}</robot>");
+        let more = "<axis xyz='1 0 0'/><limit lower='-900' upper='900'/>";
+        let follower = format!("{more}<mimic joint='rail' multiplier='{factor}'/>");
+        let robot = Urdf::new("long").raw("<link name='base'/>");
+        let robot =
+            robot
+                .link("arm", 1.0, "0.1 0.2 0.3")
+                .joint("rail", kind, ["base", "arm"], more);
+        let robot = robot.link("hand", 1.0, "0.1 0.2 0.3");
+        let robot = robot.joint("far", kind, ["arm", "hand"], &follower).text();
         folder.write(&format!("{kind}.urdf"), robot);
     }
     // Sines are computed for angles up to 1024 rad in f32.
@@ -178,29 +169,20 @@ fn ranges_that_32_bits_do_not_hold_are_named_with_the_robots_size() {
 #[test]
 fn servo_files_with_faults_are_refused() {
     let folder = Folder::with("op2");
-    for (text, words) in [
-        ("[joints.r_kne]\nzero = 1\n", "`r_kne` | r_knee"),
-        (
-            "[joints.r_knee]\nsign = 0\n",
-            "r_knee | sign is 0 | 1 or -1",
-        ),
-        ("[default]\nsign = 2\n", "sign is 2 | 1 or -1"),
-        (
-            "[default]\nresolution = 0\n",
-            "resolution is 0 | ticks a turn",
-        ),
-        (
-            "[default]\nresolution = nan\n",
-            "resolution is NaN | ticks a turn",
-        ),
-        ("[default]\nresolution = inf\n", "resolution is inf"),
-        ("[default]\nzeros = 1\n", "servos.toml | zeros | zero"),
-        ("[joint.r_knee]\nzero = 1\n", "servos.toml | joint | joints"),
-        ("[default]\nzero = 99999999\n", "zero is 99999999"),
-        ("zero: 1\n", "servos.toml"),
-    ] {
-        folder.write("servos.toml", text);
+    let faults = "[joints.r_kne]/zero = 1 | `r_kne` | r_knee
+        [joints.r_knee]/sign = 0 | r_knee | sign is 0 | 1 or -1
+        [default]/sign = 2 | sign is 2 | 1 or -1
+        [default]/resolution = 0 | resolution is 0 | ticks a turn
+        [default]/resolution = nan | resolution is NaN | ticks a turn
+        [default]/resolution = inf | resolution is inf
+        [default]/zeros = 1 | servos.toml | zeros | zero
+        [joint.r_knee]/zero = 1 | servos.toml | joint | joints
+        [default]/zero = 99999999 | zero is 99999999
+        zero: 1 | servos.toml";
+    for row in rows(faults) {
+        folder.write("servos.toml", row[0].replace('/', "\n"));
         for scalar in ["f32", "fixed32"] {
+            let words = row[1..].join(" | ");
             let row = format!("--scalar {scalar} --servos servos.toml | {words}");
             refuses_each(&folder, &row);
         }
@@ -213,13 +195,7 @@ fn servo_files_with_faults_are_refused() {
     folder.write("servos.toml", "[default]\nmetres_per_tick = 0.0\n");
     let servos = format!("{lift} --servos servos.toml");
     folder.refuses(&servos, &["metres_per_tick is 0", "above zero"]);
-    let output = folder.run(lift);
-    stdout(&output);
-    let said = stderr(&output);
-    assert!(
-        said.contains("metres_per_tick") && said.contains("servo file"),
-        "{said}"
-    );
+    says(folder.said(lift), &["metres_per_tick", "servo file"]);
     assert!(!folder.read("lift.h").contains("_ticks"));
     folder.write("servos.toml", "[default]\nmetres_per_tick = 1e-5\n");
     folder.stdout(&servos);

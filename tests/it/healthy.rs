@@ -5,21 +5,20 @@
 
 use std::sync::Arc;
 
-use nalgebra::Vector3;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::{self, Diagnosis, Verdict};
-use sesc_identify::evaluate::Evaluator;
 use sesc_identify::fit::{self, prior::PriorChoice};
 use sesc_identify::logs::{LogSource, Sidecar, Table};
 use sesc_identify::robot::Robot;
-use sesc_model::{Function, Model, ModelFile, Snapping};
+use sesc_model::ModelFile;
 use sesc_reference::{Place, Robot as TrueRobot, World};
-use sesc_test_support::command::Folder;
-use sesc_test_support::examine::bought::bought;
+use sesc_test_support::command::{Folder, says};
+use sesc_test_support::examine::{bought::bought, com_error};
+use sesc_test_support::recording::Recording;
 use sesc_test_support::stage::{Platform, Stage};
 
+use crate::asked::{diagnosed, fit_request, is_listed, labels, robot};
 use crate::both_feet::LEG;
 
 /// Noise of a posture's reading, m.
@@ -42,10 +41,9 @@ impl Bench {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let cad = TrueRobot::from_urdf(sesc::OP2_URDF).unwrap();
         let world = World::new(&bought(&cad, &mut random), stage.support).unwrap();
-        let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
         Bench {
+            robot: robot(&stage),
             stage,
-            robot,
             world,
             random,
         }
@@ -59,16 +57,9 @@ impl Bench {
     /// The same where `world` stands on `support`.
     fn log_on(&mut self, support: &str, world: &World, postures: usize, name: &str) -> LogSource {
         let q = self.stage.balanced(postures, &mut self.random);
-        let mut table = Table::new(name);
-        for (j, joint) in self.stage.joint_names().iter().enumerate() {
-            table = table.numbers(joint, q.iter().map(|q| q[j]).collect::<Vec<f64>>());
-        }
-        for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
-            let mut noise = || -> f64 { StandardNormal.sample(&mut self.random) };
-            let column = q.iter().map(|q| world.cop(q)[axis] + NOISE * noise());
-            table = table.numbers(name, column.collect::<Vec<f64>>());
-        }
-        LogSource::from(table).with_sidecar(Sidecar {
+        let log = Recording::still(&self.stage, world, q, NOISE, &mut self.random);
+        let log = add(Table::new(name), &log);
+        LogSource::from(log).with_sidecar(Sidecar {
             support: Some(support.into()),
             ..Sidecar::default()
         })
@@ -82,21 +73,15 @@ impl Bench {
 
     /// RMS error of a model's CoM, x and y, in fresh postures of `world`, m.
     fn com_error(&mut self, world: &World, file: Option<&ModelFile>) -> f64 {
-        let model = |file: Option<&ModelFile>| -> Model {
-            let support = self.stage.support;
-            self.robot
-                .model(support, Snapping::default(), file)
-                .unwrap()
-        };
-        let com = Evaluator::new(&model(file), Function::Com);
         let q = self.stage.balanced(200, &mut self.random);
-        let square = q.iter().map(|q| {
-            let found = com.run(q, 1);
-            let off = Vector3::from_column_slice(&found) - world.com(q);
-            (off.x * off.x + off.y * off.y) / 2.0
-        });
-        (square.sum::<f64>() / 200.0).sqrt()
+        com_error(&self.stage, world, file, &q, 0..2).unwrap()
     }
+}
+
+/// The columns of a recording in a table.
+fn add(table: Table, log: &Recording) -> Table {
+    let columns = log.columns(false).into_iter();
+    columns.fold(table, |table, (name, values)| table.numbers(&name, values))
 }
 
 /// What is hidden, and the name and target that it goes by.
@@ -124,18 +109,12 @@ fn place(place: Place) -> String {
 
 /// Whether the truth is named alone, or is in a class of the answer.
 fn is_told(found: &Diagnosis, effect: &str, target: &str) -> (bool, bool) {
-    let alone = found.verdict == Verdict::Named
-        && found.steps.len() == 1
-        && (found.steps[0].effect, &*found.steps[0].target) == (effect, target);
+    let alone = found.verdict == Verdict::Named && labels(found) == [format!("{effect}:{target}")];
     let label = match target {
         "-" => effect.to_string(),
         _ => format!("{effect}:{target}"),
     };
-    let listed = found
-        .indistinguishable
-        .iter()
-        .any(|one| *one == [label.clone()]);
-    (alone, alone || listed)
+    (alone, alone || is_listed(found, &[&label]))
 }
 
 #[test]
@@ -165,15 +144,12 @@ fn a_healthy_log_tells_a_fault_from_masses() {
         let log = bench.log(&healthy, FAULTY, "log.csv");
         let mut request = bench.request(log);
         request.healthy = vec![before];
-        let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
-        assert_eq!(found.verdict, Verdict::None, "{}", found.sentence);
+        assert_eq!(diagnosed(&request).verdict, Verdict::None);
     }
     ratios.sort_by(f64::total_cmp);
     let lines = lines.join("\n");
-    assert!(
-        told + 1 >= all && 10 * alone >= 6 * all,
-        "{alone}, {told} of {all}\n{lines}"
-    );
+    let enough = told + 1 >= all && 10 * alone >= 6 * all;
+    assert!(enough, "{alone}, {told} of {all}\n{lines}");
     assert!(ratios[ratios.len() / 2] < 0.1, "{ratios:?}");
 }
 
@@ -200,7 +176,7 @@ fn healthy_logs_go_with_further_logs_and_with_another_foot() {
             request.support = support.map(String::from);
             request.healthy = vec![before.clone()];
             request.then = then.clone();
-            let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
+            let found = diagnosed(&request);
             let (_, is_told) = is_told(&found, "joint_offset", "r_hip_roll");
             assert!(is_told, "{support:?} {}: {}", then.len(), found.sentence);
             assert_eq!(found.warnings, [""; 0]);
@@ -222,12 +198,9 @@ fn a_fault_that_the_healthy_log_shares_is_said() {
     let log = bench.log(&faulty, FAULTY, "log.csv");
     let mut request = bench.request(log);
     request.healthy = vec![before];
-    let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
+    let found = diagnosed(&request);
     let said = found.warnings.join("\n");
-    assert!(
-        said.contains("before.csv") && said.contains("joint_scale:r_hip_pitch"),
-        "{said}"
-    );
+    says(said, &["before.csv", "joint_scale:r_hip_pitch"]);
 }
 
 #[test]
@@ -240,16 +213,11 @@ fn a_fitted_model_is_the_prior_that_its_log_is() {
     let mut request = bench.request(log);
     request.healthy = vec![before.clone()];
     let by_log = diagnose::diagnose(&request, &mut ()).unwrap();
-    let fitted = |noise: f64| {
-        let mut request = fit::Request::default();
-        request.robot = Some(Arc::clone(&bench.robot));
-        request.logs = vec![before.clone()];
-        request.support = Some("r_sole".into());
-        request.noise = Some(noise);
-        fit::fit(&request, &mut ()).unwrap().model_file
-    };
+    let mut of_fit = fit_request(&bench.stage, before.clone());
+    of_fit.noise = Some(NOISE);
+    let mut fitted = fit::fit(&of_fit, &mut ()).unwrap().model_file;
     let folder = Folder::empty();
-    folder.write("fitted.toml", fitted(NOISE).to_toml().unwrap());
+    folder.write("fitted.toml", fitted.to_toml().unwrap());
     request.healthy.clear();
     request.prior = PriorChoice::File(folder.join("fitted.toml"));
     let by_file = diagnose::diagnose(&request, &mut ()).unwrap();
@@ -258,18 +226,15 @@ fn a_fitted_model_is_the_prior_that_its_log_is() {
     assert_eq!(by_log.diagnosis.steps, by_file.diagnosis.steps);
     // A log does not count twice.
     let refused = |request: &diagnose::Request, words: &str| {
-        let error = diagnose::diagnose(request, &mut ())
-            .unwrap_err()
-            .to_string();
-        assert!(error.contains(words), "{error}");
+        let error = diagnose::diagnose(request, &mut ()).unwrap_err();
+        says(error.to_string(), &[words]);
     };
     let mut again = bench.request(before.clone());
     again.prior = request.prior.clone();
     refused(&again, "were fitted to this very log");
     // Nor does a file count that does not say how well it knows, or that has effects.
-    let mut vague = fitted(NOISE);
-    vague.information = None;
-    folder.write("fitted.toml", vague.to_toml().unwrap());
+    fitted.information = None;
+    folder.write("fitted.toml", fitted.to_toml().unwrap());
     refused(&request, "information.factor");
     folder.write("fitted.toml", by_log.model_file.to_toml().unwrap());
     refused(&request, "it has effects");
@@ -304,36 +269,26 @@ fn faults_of_both_legs_are_found_in_rows_of_both_feet() {
                 q
             }
         };
-        let mut noise = || -> f64 { StandardNormal.sample(&mut bench.random) };
-        let cop = q.iter().map(|q| faulty.cop(q).map(|x| x + NOISE * noise()));
-        let cop: Vec<[f64; 2]> = cop.collect();
-        (q, cop)
+        Recording::still(&bench.stage, &faulty, q, NOISE, &mut bench.random)
     });
     let log = |name: &str, feet: &[usize]| {
-        let q: Vec<&Vec<f64>> = feet.iter().flat_map(|foot| &rows[*foot].0).collect();
-        let cop: Vec<[f64; 2]> = feet.iter().flat_map(|foot| rows[*foot].1.clone()).collect();
+        let own = feet.iter().map(|foot| &rows[*foot]);
         let stood = feet
             .iter()
-            .flat_map(|foot| vec![Arc::from(soles[*foot]); rows[*foot].0.len()]);
-        let mut table = Table::new(name).texts("support", stood.collect::<Vec<Arc<str>>>());
-        for (j, joint) in names.iter().enumerate() {
-            table = table.numbers(joint, q.iter().map(|q| q[j]).collect::<Vec<f64>>());
-        }
-        for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
-            table = table.numbers(name, cop.iter().map(|cop| cop[axis]).collect::<Vec<f64>>());
-        }
-        LogSource::from(table)
+            .map(|foot| vec![Arc::from(soles[*foot]); rows[*foot].q.len()]);
+        let stood: Vec<Arc<str>> = stood.flatten().collect();
+        let both = Recording {
+            joints: names.clone(),
+            q: own.clone().flat_map(|own| own.q.clone()).collect(),
+            cop: own.flat_map(|own| own.cop.clone()).collect(),
+            ..Recording::default()
+        };
+        LogSource::from(add(Table::new(name).texts("support", stood), &both))
     };
     let told = |request: &diagnose::Request| {
-        let found = diagnose::diagnose(request, &mut ()).unwrap().diagnosis;
-        let mut steps: Vec<String> = found
-            .steps
-            .iter()
-            .map(|step| format!("{}:{}", step.effect, step.target))
-            .collect();
-        steps.sort();
+        let found = diagnosed(request);
         assert_eq!(found.warnings, [""; 0]);
-        steps
+        labels(&found)
     };
     let both = ["joint_offset:r_ank_pitch", "joint_scale:l_hip_pitch"];
     assert_eq!(told(&bench.request(log("both.csv", &[0, 1]))), both);

@@ -1,6 +1,7 @@
 //! Identification on simulated logs of the OP2, judged by a truth that the
 //! identification never touches: the reference with masses of its own.
 
+use std::ops::Range;
 use std::path::Path;
 
 use nalgebra::{DMatrix, DVector};
@@ -11,8 +12,7 @@ use sesc_identify::fit::Gathered;
 use sesc_identify::fit::prior::Prior;
 use sesc_identify::fit::{Identification, Settings, identify};
 use sesc_identify::logs::Block;
-use sesc_identify::lsq::Factor;
-use sesc_identify::lsq::solve;
+use sesc_identify::lsq::{Factor, solve};
 use sesc_identify::observations::Measurement;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
@@ -88,18 +88,9 @@ impl Op2 {
         let dof = self.reference.dof();
         let all = self.postures(60 * count, seed);
         let keep = |q: &&[f64]| self.cop(&self.cad, q).iter().all(|x| x.abs() < STABLE);
-        let kept: Vec<f64> = all
-            .chunks(dof)
-            .filter(keep)
-            .take(count)
-            .flatten()
-            .copied()
-            .collect();
-        assert_eq!(
-            kept.len(),
-            count * dof,
-            "enough stable postures among the draws"
-        );
+        let kept = all.chunks(dof).filter(keep).take(count);
+        let kept = kept.collect::<Vec<_>>().concat();
+        assert_eq!(kept.len(), count * dof, "enough stable postures");
         kept
     }
 
@@ -121,19 +112,55 @@ impl Op2 {
         }
     }
 
-    fn fit(&self, block: &Block, prior: &str) -> Identification {
-        let mut measurement = Measurement::new(&self.robot, "r_sole", Snapping::default()).unwrap();
+    fn measurement(&self, support: &str) -> Measurement<'_> {
+        Measurement::new(&self.robot, support, Snapping::default()).unwrap()
+    }
+
+    /// What is gathered of these blocks.
+    fn gathered(measurement: &mut Measurement, blocks: &[Block]) -> Gathered {
         let mut gathered = Gathered::new(measurement.model().base.params.len(), 10);
+        for block in blocks {
+            gathered.push(measurement, block, "log.csv", None).unwrap();
+        }
         gathered
-            .push(&mut measurement, block, "log.csv", None)
-            .unwrap();
-        let settings = Settings::new(Prior::named(prior, measurement.model()).unwrap());
-        identify(
-            measurement.model(),
-            &measurement.supports(),
-            &gathered,
-            &settings,
-        )
+    }
+
+    fn fit(&self, block: &Block, prior: &str) -> Identification {
+        let mut measurement = self.measurement("r_sole");
+        let gathered = Op2::gathered(&mut measurement, std::slice::from_ref(block));
+        identified(&measurement, &gathered, prior)
+    }
+
+    /// A robot as built, and what draws the noise of its readings.
+    fn built(&self, seed: u64) -> (DVector<f64>, ChaCha8Rng) {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        (self.truth(0.10, 0.005, &mut rng), rng)
+    }
+
+    /// Base parameters of a robot as built.
+    fn params(&self, theta: &DVector<f64>) -> DVector<f64> {
+        self.model("r_sole").standard_map() * theta
+    }
+
+    /// Errors of fits with no prior and with CAD's, mm: of robots as built, each with its seed and
+    /// a log at `postures`.
+    fn errors(
+        &self,
+        robots: u64,
+        noise: f64,
+        held_out: &[f64],
+        postures: impl Fn(u64) -> Vec<f64>,
+    ) -> [Vec<f64>; 2] {
+        ["free", "cad"].map(|prior| {
+            let error = |seed| {
+                let (theta, mut rng) = self.built(seed);
+                let block = self.log(&postures(seed), &theta, noise, &mut rng);
+                let found = self.fit(&block, prior);
+                assert_eq!(found.rank, 42);
+                1e3 * self.clean_error(&found, &theta, held_out)
+            };
+            (0..robots).map(error).collect()
+        })
     }
 
     /// RMS per axis of the fit's prediction against the noise-free truth, m.
@@ -147,8 +174,7 @@ impl Op2 {
             reading: Some(q.chunks(dof).map(|q| self.cop(theta, q)).collect()),
             ..Block::default()
         };
-        let mut measurement = Measurement::new(&self.robot, "r_sole", Snapping::default()).unwrap();
-        let rows = measurement.rows(&block).unwrap();
+        let rows = self.measurement("r_sole").rows(&block).unwrap();
         let error = rows.residual(&found.estimate.params);
         (error.norm_squared() / error.len() as f64).sqrt()
     }
@@ -156,6 +182,24 @@ impl Op2 {
 
 fn gauss(rng: &mut ChaCha8Rng) -> f64 {
     Normal::new(0.0, 1.0).unwrap().sample(rng)
+}
+
+fn identified(measurement: &Measurement, gathered: &Gathered, prior: &str) -> Identification {
+    let model = measurement.model();
+    let settings = Settings::new(Prior::named(prior, model).unwrap());
+    identify(model, &measurement.supports(), gathered, &settings)
+}
+
+/// Some rows of a block, and their stated deviation, m.
+fn cut(block: &Block, rows: Range<usize>, std: f64) -> Block {
+    Block {
+        line: block.line[rows.clone()].to_vec(),
+        pose: block.pose[rows.clone()].to_vec(),
+        q: block.q[20 * rows.start..20 * rows.end].to_vec(),
+        reading: block.reading.as_ref().map(|all| all[rows.clone()].to_vec()),
+        std: Some(vec![[std; 2]; rows.len()]),
+        ..Block::default()
+    }
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -168,19 +212,7 @@ fn mean(values: &[f64]) -> f64 {
 fn thousand_postures_reach_the_theory_and_cad_betters_it() {
     let op2 = Op2::new();
     let held_out = op2.postures(2000, 99);
-    let errors = |prior: &str| -> Vec<f64> {
-        (0..20)
-            .map(|seed| {
-                let mut rng = ChaCha8Rng::seed_from_u64(seed);
-                let theta = op2.truth(0.10, 0.005, &mut rng);
-                let block = op2.log(&op2.postures(1000, seed), &theta, NOISE, &mut rng);
-                let found = op2.fit(&block, prior);
-                assert_eq!(found.rank, 42);
-                1e3 * op2.clean_error(&found, &theta, &held_out)
-            })
-            .collect()
-    };
-    let (free, cad) = (errors("free"), errors("cad"));
+    let [free, cad] = op2.errors(20, NOISE, &held_out, |seed| op2.postures(1000, seed));
     println!("1000 postures, mm: free {free:.3?}, CAD prior {cad:.3?}");
     assert!((0.66..=0.74).contains(&mean(&free)), "{free:?}");
     assert!(mean(&cad) <= 0.52, "{cad:?}");
@@ -191,17 +223,7 @@ fn thousand_postures_reach_the_theory_and_cad_betters_it() {
 fn thirty_eight_stable_postures() {
     let op2 = Op2::new();
     let held_out = op2.stable(500, 98);
-    let errors = |prior: &str| -> Vec<f64> {
-        (0..12)
-            .map(|seed| {
-                let mut rng = ChaCha8Rng::seed_from_u64(seed);
-                let theta = op2.truth(0.10, 0.005, &mut rng);
-                let block = op2.log(&op2.stable(38, seed), &theta, NOISE_OF_MEAN, &mut rng);
-                1e3 * op2.clean_error(&op2.fit(&block, prior), &theta, &held_out)
-            })
-            .collect()
-    };
-    let (free, cad) = (errors("free"), errors("cad"));
+    let [free, cad] = op2.errors(12, NOISE_OF_MEAN, &held_out, |seed| op2.stable(38, seed));
     println!("38 postures, mm: free {free:.3?}, CAD prior {cad:.3?}");
     assert!(mean(&free) <= 0.60, "{free:?}");
     assert!(mean(&cad) <= 0.36, "{cad:?}");
@@ -216,28 +238,19 @@ fn deviations_are_honest() {
     let map = model.standard_map();
     let postures: Vec<Vec<f64>> = (0..20).map(|seed| op2.postures(60, seed)).collect();
     for prior in ["free", "cad"] {
-        let factor = Prior::named(prior, &model)
-            .unwrap()
-            .covariance_factor(&model);
+        let prior_of = Prior::named(prior, &model).unwrap();
+        let factor = prior_of.covariance_factor(&model);
         let cad = DVector::from_vec(model.cad_params());
-        let mut measurement = Measurement::new(&op2.robot, "r_sole", Snapping::default()).unwrap();
+        let mut measurement = op2.measurement("r_sole");
         let (mut inside, mut all) = (0, 0);
         for repeat in 0..500 {
-            let mut rng = ChaCha8Rng::seed_from_u64(1000 + repeat);
-            let theta = op2.truth(0.10, 0.005, &mut rng);
-            let block = op2.log(
-                &postures[repeat as usize % 20],
-                &theta,
-                NOISE_OF_MEAN,
-                &mut rng,
-            );
+            let (theta, mut rng) = op2.built(1000 + repeat);
+            let q = &postures[repeat as usize % 20];
+            let block = op2.log(q, &theta, NOISE_OF_MEAN, &mut rng);
             let rows = measurement.rows(&block).unwrap();
             let mut data = Factor::new(43);
-            data.push(
-                &rows.matrix.dense(),
-                &rows.reading,
-                &[1.0 / NOISE_OF_MEAN; 120],
-            );
+            let weights = [1.0 / NOISE_OF_MEAN; 120];
+            data.push(&rows.matrix.dense(), &rows.reading, &weights);
             let found = solve(&data, 1.0, &cad, factor.as_ref());
             let truth = &map * &theta;
             for k in 0..43 {
@@ -262,12 +275,9 @@ fn held_out_error_is_what_new_postures_show() {
     let op2 = Op2::new();
     let mut ratios = Vec::new();
     for seed in 0..10 {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let theta = op2.truth(0.10, 0.005, &mut rng);
-        let found = op2.fit(
-            &op2.log(&op2.postures(100, seed), &theta, NOISE_OF_MEAN, &mut rng),
-            "free",
-        );
+        let (theta, mut rng) = op2.built(seed);
+        let block = op2.log(&op2.postures(100, seed), &theta, NOISE_OF_MEAN, &mut rng);
+        let found = op2.fit(&block, "free");
         let clean = op2.clean_error(&found, &theta, &op2.postures(1000, 77));
         // New readings carry noise of their own.
         ratios.push(found.held_out_rmse / clean.hypot(NOISE_OF_MEAN));
@@ -281,8 +291,7 @@ fn held_out_error_is_what_new_postures_show() {
 #[test]
 fn both_feet_tell_the_height() {
     let op2 = Op2::new();
-    let mut rng = ChaCha8Rng::seed_from_u64(3);
-    let theta = op2.truth(0.10, 0.005, &mut rng);
+    let (theta, mut rng) = op2.built(3);
     let left = reference_on(&op2.robot, "l_sole");
     let q = op2.postures(1000, 3);
     let mut block = op2.log(&q, &theta, NOISE_OF_MEAN, &mut rng);
@@ -298,7 +307,7 @@ fn both_feet_tell_the_height() {
     println!("both feet: condition number {:.0}", found.condition_number);
     assert_eq!(found.rank, 43);
     assert!(found.condition_number < 60.0);
-    let truth = op2.model("r_sole").standard_map() * &theta;
+    let truth = op2.params(&theta);
     let height = &found.com_height_constant;
     assert_eq!(height.source, "data");
     assert!((height.value - truth[2]).abs() < 4.0 * height.std.unwrap());
@@ -308,18 +317,9 @@ fn both_feet_tell_the_height() {
     assert_eq!((one.rank, one.com_height_constant.source), (42, "cad"));
     assert!(one.condition_number > found.condition_number);
     // The other way round: parameters of the left root are the same after the shift.
-    let mut measurement = Measurement::new(&op2.robot, "l_sole", Snapping::default()).unwrap();
-    let mut gathered = Gathered::new(43, 10);
-    gathered
-        .push(&mut measurement, &block, "log.csv", None)
-        .unwrap();
-    let settings = Settings::new(Prior::Free);
-    let there = identify(
-        measurement.model(),
-        &measurement.supports(),
-        &gathered,
-        &settings,
-    );
+    let mut measurement = op2.measurement("l_sole");
+    let gathered = Op2::gathered(&mut measurement, &[block]);
+    let there = identified(&measurement, &gathered, "free");
     let shift = op2.model("r_sole").params_from(measurement.model());
     let back = &shift.matrix * &there.estimate.params + &shift.offset;
     assert!((back - &found.estimate.params).amax() < 1e-10);
@@ -329,8 +329,7 @@ fn both_feet_tell_the_height() {
 #[test]
 fn a_known_slope_tells_the_height() {
     let op2 = Op2::new();
-    let mut rng = ChaCha8Rng::seed_from_u64(4);
-    let theta = op2.truth(0.10, 0.005, &mut rng);
+    let (theta, mut rng) = op2.built(4);
     let q = op2.postures(400, 4);
     let mut block = op2.log(&q, &theta, 0.0, &mut rng);
     block.std = None;
@@ -346,7 +345,7 @@ fn a_known_slope_tells_the_height() {
     block.gravity = Some(gravity);
     let found = op2.fit(&block, "free");
     assert_eq!(found.rank, 43);
-    let truth = op2.model("r_sole").standard_map() * &theta;
+    let truth = op2.params(&theta);
     assert!((&found.estimate.params - truth).amax() < 1e-11);
 }
 
@@ -354,35 +353,16 @@ fn a_known_slope_tells_the_height() {
 #[test]
 fn parts_of_a_log_give_the_whole() {
     let op2 = Op2::new();
-    let mut rng = ChaCha8Rng::seed_from_u64(5);
-    let theta = op2.truth(0.10, 0.005, &mut rng);
+    let (theta, mut rng) = op2.built(5);
     let block = op2.log(&op2.postures(300, 5), &theta, NOISE, &mut rng);
     let whole = op2.fit(&block, "cad");
-    let mut measurement = Measurement::new(&op2.robot, "r_sole", Snapping::default()).unwrap();
+    let mut measurement = op2.measurement("r_sole");
     let mut parts = Gathered::new(43, 10);
-    for range in [0..100, 100..130, 130..300] {
-        let cut = Block {
-            line: block.line[range.clone()].to_vec(),
-            pose: block.pose[range.clone()].to_vec(),
-            q: block.q[20 * range.start..20 * range.end].to_vec(),
-            reading: block
-                .reading
-                .as_ref()
-                .map(|all| all[range.clone()].to_vec()),
-            std: block.std.as_ref().map(|all| all[range.clone()].to_vec()),
-            ..Block::default()
-        };
-        let mut part = Gathered::new(43, 10);
-        part.push(&mut measurement, &cut, "log.csv", None).unwrap();
+    for rows in [0..100, 100..130, 130..300] {
+        let part = Op2::gathered(&mut measurement, &[cut(&block, rows, NOISE)]);
         parts.merge(part).unwrap();
     }
-    let settings = Settings::new(Prior::named("cad", measurement.model()).unwrap());
-    let merged = identify(
-        measurement.model(),
-        &measurement.supports(),
-        &parts,
-        &settings,
-    );
+    let merged = identified(&measurement, &parts, "cad");
     assert!((&merged.estimate.params - &whole.estimate.params).amax() < 1e-12);
     assert!((merged.held_out_rmse - whole.held_out_rmse).abs() < 1e-12);
     assert_eq!((merged.postures, merged.readings), (300, 300));
@@ -393,62 +373,44 @@ fn parts_of_a_log_give_the_whole() {
 #[test]
 fn sums_hold_where_stated_deviations_change() {
     let op2 = Op2::new();
-    let mut rng = ChaCha8Rng::seed_from_u64(7);
-    let theta = op2.truth(0.10, 0.005, &mut rng);
+    let (theta, mut rng) = op2.built(7);
     let q = op2.postures(300, 7);
     let block = op2.log(&q, &theta, NOISE, &mut rng);
-    let params = op2.model("r_sole").standard_map() * &theta;
-    let cut = |range: std::ops::Range<usize>, std: f64| Block {
-        line: block.line[range.clone()].to_vec(),
-        pose: block.pose[range.clone()].to_vec(),
-        q: block.q[20 * range.start..20 * range.end].to_vec(),
-        reading: block
-            .reading
-            .as_ref()
-            .map(|all| all[range.clone()].to_vec()),
-        std: Some(vec![[std; 2]; range.len()]),
-        ..Block::default()
-    };
-    let direct = |range: std::ops::Range<usize>| -> f64 {
-        let readings = block.reading.as_ref().unwrap();
+    let params = op2.params(&theta);
+    let readings = block.reading.as_ref().unwrap();
+    let direct = |rows: &Range<usize>| -> f64 {
         let of = |k: usize| {
-            let com = op2
-                .reference
-                .com_of(&q[20 * k..20 * (k + 1)], theta.as_slice());
-            (readings[k][0] - com.x).powi(2) + (readings[k][1] - com.y).powi(2)
+            let [x, y] = op2.cop(&theta, &q[20 * k..20 * (k + 1)]);
+            (readings[k][0] - x).powi(2) + (readings[k][1] - y).powi(2)
         };
-        range.map(of).sum()
+        rows.clone().map(of).sum()
     };
-    let check = |gathered: &Gathered, parts: &[(std::ops::Range<usize>, f64)]| {
-        let plain: f64 = parts.iter().map(|(rows, _)| direct(rows.clone())).sum();
-        let weighted =
-            |(rows, std): &(std::ops::Range<usize>, f64)| direct(rows.clone()) / (std * std);
-        let weighted: f64 = parts.iter().map(weighted).sum();
+    let check = |gathered: &Gathered, parts: &[(Range<usize>, f64)]| {
+        let plain: f64 = parts.iter().map(|(rows, _)| direct(rows)).sum();
+        let weighted = parts.iter().map(|(rows, std)| direct(rows) / (std * std));
+        let weighted: f64 = weighted.sum();
         let together = gathered.together();
         let found = together.plain().residual_sum(&params);
         assert!((found - plain).abs() < 1e-9 * plain, "{found} {plain}");
         let found = together.weighted.residual_sum(&params);
         assert!((found - weighted).abs() < 1e-9 * weighted);
     };
-    let mut measurement = Measurement::new(&op2.robot, "r_sole", Snapping::default()).unwrap();
-    let mut gather = |blocks: &[Block]| {
-        let mut gathered = Gathered::new(43, 10);
-        for block in blocks {
-            gathered
-                .push(&mut measurement, block, "log.csv", None)
-                .unwrap();
-        }
-        gathered
+    let mut measurement = op2.measurement("r_sole");
+    let mut gather = |parts: &[(Range<usize>, f64)]| {
+        let blocks = parts
+            .iter()
+            .map(|(rows, std)| cut(&block, rows.clone(), *std));
+        Op2::gathered(&mut measurement, &blocks.collect::<Vec<_>>())
     };
     let (fine, coarse) = (2e-4, 7e-4);
-    let one = gather(&[cut(0..100, fine), cut(100..150, fine)]);
+    let one = gather(&[(0..100, fine), (100..150, fine)]);
     assert!(one.folds.iter().all(|fold| fold.plain.is_none()));
     check(&one, &[(0..150, fine)]);
-    let two = gather(&[cut(0..150, fine), cut(150..300, coarse)]);
+    let two = gather(&[(0..150, fine), (150..300, coarse)]);
     assert!(two.folds.iter().all(|fold| fold.plain.is_some()));
     check(&two, &[(0..150, fine), (150..300, coarse)]);
     let mut merged = one;
-    merged.merge(gather(&[cut(150..300, coarse)])).unwrap();
+    merged.merge(gather(&[(150..300, coarse)])).unwrap();
     check(&merged, &[(0..150, fine), (150..300, coarse)]);
 }
 
@@ -459,10 +421,8 @@ fn tolerances_carry_over_to_parameters() {
     let model = op2.model("r_sole");
     let map = model.standard_map();
     let cad = DVector::from_vec(model.cad_params());
-    let factor = Prior::named("cad", &model)
-        .unwrap()
-        .covariance_factor(&model)
-        .unwrap();
+    let prior = Prior::named("cad", &model).unwrap();
+    let factor = prior.covariance_factor(&model).unwrap();
     let stated = &factor * factor.transpose();
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     let draws = 4000;
@@ -474,11 +434,8 @@ fn tolerances_carry_over_to_parameters() {
     }
     for k in 0..43 {
         let (a, b) = (stated[(k, k)].sqrt(), seen[(k, k)].sqrt());
-        assert!(
-            (a - b).abs() < 0.05 * a + 1e-6,
-            "{}: {a:.2e} {b:.2e}",
-            model.base.params[k].name
-        );
+        let name = &model.base.params[k].name;
+        assert!((a - b).abs() < 0.05 * a + 1e-6, "{name}: {a:.2e} {b:.2e}");
     }
     assert!((&stated - &seen).norm() < 0.1 * stated.norm());
 }

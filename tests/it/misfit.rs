@@ -3,13 +3,13 @@
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::NextStep;
 use sesc_identify::fit::{self, Identification, NoiseSource, Report};
 use sesc_identify::predict;
 use sesc_identify::robot::Stance;
 use sesc_reference::World;
 use sesc_test_support::examine::bought::bought;
+use sesc_test_support::recording::Recording;
 use sesc_test_support::stage::{Platform, Stage};
 
 use crate::asked::{fit_request, table};
@@ -24,23 +24,12 @@ fn fitted(stage: &Stage, world: &World, seed: u64) -> Report {
     let random = &mut ChaCha8Rng::seed_from_u64(seed);
     let mut q = stage.balanced(POSTURES, random);
     q.extend_from_within(..AGAIN);
-    let pose: Vec<f64> = (0..q.len()).map(|k| (k % POSTURES) as f64).collect();
-    let cop: Vec<[f64; 2]> = q
-        .iter()
-        .map(|q| world.cop(q).map(|x| x + STD_M * gauss(random)))
-        .collect();
-    let mut log = table(vec![("pose".to_string(), pose)]);
-    for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
-        log = log.numbers(name, cop.iter().map(|cop| cop[axis]).collect::<Vec<_>>());
-    }
-    for (j, joint) in stage.joint_names().iter().enumerate() {
-        log = log.numbers(joint, q.iter().map(|q| q[j]).collect::<Vec<_>>());
-    }
-    fit::fit(&fit_request(stage, log), &mut ()).unwrap()
-}
-
-fn gauss(random: &mut ChaCha8Rng) -> f64 {
-    StandardNormal.sample(random)
+    let pose = (0..q.len()).map(|k| (k % POSTURES) as f64);
+    let log = Recording {
+        pose: Some(pose.collect()),
+        ..Recording::still(stage, world, q, STD_M, random)
+    };
+    fit::fit(&fit_request(stage, log.table(false)), &mut ()).unwrap()
 }
 
 fn asks_for_a_diagnosis(found: &Identification) -> bool {
@@ -52,15 +41,9 @@ fn asks_for_a_diagnosis(found: &Identification) -> bool {
 #[test]
 fn an_ankle_that_is_off_is_no_noise() {
     let stage = Stage::new(Platform::Op2);
-    for (seed, (joint, degrees)) in [
-        ("r_ank_pitch", 1.2),
-        ("r_ank_pitch", -2.0),
-        ("r_ank_roll", 1.2),
-        ("r_ank_roll", -2.0),
-    ]
-    .into_iter()
-    .enumerate()
-    {
+    let [pitch, roll] = ["r_ank_pitch", "r_ank_roll"];
+    let off = [(pitch, 1.2), (pitch, -2.0), (roll, 1.2), (roll, -2.0)];
+    for (seed, (joint, degrees)) in off.into_iter().enumerate() {
         let world = stage.world().joint_offset(joint, f64::to_radians(degrees));
         let found = fitted(&stage, &world.unwrap(), seed as u64).identification;
         assert_eq!(found.noise_source, NoiseSource::Repeats);

@@ -1,28 +1,25 @@
 //! Logs of robots that move: readings are compared with the ZMP, whose truth is the virtual
 //! robot's own numerics.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::{self, Diagnosis, Verdict};
 use sesc_identify::evaluate::{InLog, MotionPredictor, ReadingPredictor};
-use sesc_identify::fit::{Identification, MotionModel, fit};
+use sesc_identify::fit::{Identification, MotionModel};
 use sesc_identify::logs::{LogSource, Table};
 use sesc_identify::predict;
-use sesc_identify::robot::Robot;
-use sesc_identify::robot::Stance;
-use sesc_identify::simulate;
-use sesc_identify::simulate::hide;
+use sesc_identify::robot::{Robot, Stance};
+use sesc_identify::simulate::{self, hide};
+use sesc_model::Snapping;
 use sesc_reference::World;
 use sesc_test_support::command::Folder;
 use sesc_test_support::moving::Swing;
-use sesc_test_support::recording::{Kind, Noise, Recording, draw};
+use sesc_test_support::recording::{Kind, Noise, Recording, draw, normal};
 use sesc_test_support::stage::{Platform, Stage};
 
-use crate::asked;
+use crate::asked::{self, labels, lists};
 
 const WHITE: Noise = Noise {
     kind: Kind::White,
@@ -41,15 +38,16 @@ fn recorded(hide: impl Fn(World) -> World, swing: Swing, rate: f64, seed: u64) -
     swing.record(&stage, world, WHITE, rate, &mut random)
 }
 
-fn table(recording: &Recording) -> Table {
-    asked::table(recording.columns(true))
+fn fitted(recording: &Recording, motion: MotionModel) -> Identification {
+    let mut request = asked::fit_request(&stage(), recording.table(true));
+    request.prior = "free".into();
+    request.motion = motion;
+    asked::fitted(&request)
 }
 
-fn fitted(recording: &Recording, motion: MotionModel, prior: &str) -> Identification {
-    let mut request = asked::fit_request(&stage(), table(recording));
-    request.prior = prior.into();
-    request.motion = motion;
-    fit(&request, &mut ()).unwrap().identification
+/// All of what motion adds to readings is in them, and `beside` at most.
+fn is_whole([share, std]: [f64; 2], beside: f64) {
+    assert!((share - 1.0).abs() < 4.0 * std + beside, "{share} ± {std}");
 }
 
 /// Parts of parameters within ± 1.96 of their deviations.
@@ -66,23 +64,11 @@ fn a_fit_knows_parameters_from_a_moving_log() {
     let mut parts = Vec::new();
     for seed in 0..4 {
         let log = recorded(|w| w, Swing::new(0.7, 0.15, 20.0), 100.0, seed);
-        let found = fitted(&log, MotionModel::Auto, "free");
-        let still = fitted(&log, MotionModel::Off, "free");
-        println!(
-            "{:.3} mm of {:.3}; off {:.3} mm: {}; intervals hold {:.2}, off {:.2}",
-            1e3 * found.held_out_rmse,
-            1e3 * found.noise_floor,
-            1e3 * still.held_out_rmse,
-            found.motion.sentence,
-            held(&found),
-            held(&still),
-        );
+        let found = fitted(&log, MotionModel::Auto);
+        let still = fitted(&log, MotionModel::Off);
         assert!(found.motion.used && !still.motion.used);
         let share = found.motion.share.unwrap();
-        assert!(
-            (share.value - 1.0).abs() < 4.0 * share.std + 0.01,
-            "{share:?}"
-        );
+        is_whole([share.value, share.std], 0.01);
         assert!(found.held_out_rmse < 1.1 * WHITE.std[0]);
         assert!(still.held_out_rmse > 2.0 * WHITE.std[0]);
         parts.push(held(&found));
@@ -97,19 +83,11 @@ fn a_fit_knows_parameters_from_a_moving_log() {
 /// off their noise.
 #[test]
 fn a_part_of_a_moving_log_of_means_is_fitted() {
-    let log = recorded(|w| w, Swing::new(0.7, 0.15, 10.0), 50.0, 1).columns(true);
-    let names: Vec<&str> = log.iter().map(|(name, _)| name.as_str()).collect();
-    let mut rows = vec![names.join(",")];
-    for row in 0..log[0].1.len() {
-        let values: Vec<String> = log.iter().map(|(_, all)| all[row].to_string()).collect();
-        rows.push(values.join(","));
-    }
+    let log = recorded(|w| w, Swing::new(0.7, 0.15, 10.0), 50.0, 1);
     let folder = Folder::with("op2");
-    folder.write("log.csv", rows.join("\n"));
-    folder.write(
-        "log.csv.toml",
-        "support = \"r_sole\"\nreadings_per_pose = 10000\n",
-    );
+    folder.write("log.csv", log.csv(true));
+    let sidecar = "support = \"r_sole\"\nreadings_per_pose = 10000\n";
+    folder.write("log.csv.toml", sidecar);
     folder.stdout("fit op2.urdf --data log.csv --partial log.part");
     let found = folder.json("fit log.part");
     assert_eq!(found["motion"]["used"], true);
@@ -121,23 +99,18 @@ fn diagnosed(recording: &Recording, motion: MotionModel) -> Diagnosis {
     request.prior = "tight".into();
     request.noise = Some(WHITE.std[0]);
     request.motion = motion;
-    diagnose::diagnose(&request, &mut ()).unwrap().diagnosis
+    asked::diagnosed(&request)
 }
 
 #[test]
 fn nothing_is_named_in_a_moving_log_unless_motion_is_off() {
     let log = recorded(|w| w, Swing::new(0.7, 0.15, 10.0), 50.0, 11);
     let found = diagnosed(&log, MotionModel::Auto);
-    println!("{}", found.sentence);
     let off = diagnosed(&log, MotionModel::Off);
-    println!("{}", off.sentence);
     assert_eq!(found.verdict, Verdict::None);
     assert!(found.motion.used);
     let share = found.motion.share.unwrap();
-    assert!(
-        (share.value - 1.0).abs() < 4.0 * share.std + 0.01,
-        "{share:?}"
-    );
+    is_whole([share.value, share.std], 0.01);
     assert!(off.verdict != Verdict::None && off.last.rmse > 2.0 * WHITE.std[0]);
 }
 
@@ -149,17 +122,15 @@ fn readings_that_need_nothing_where_they_are_static_are_static() {
     let world = World::new(&stage.robot, stage.support).unwrap();
     for seed in 1..=4 {
         let mut log = recorded(|w| w, Swing::new(0.5, 0.15, 15.0), 6.5, seed);
-        let mut random = ChaCha8Rng::seed_from_u64(100 + seed);
-        let noise = |random: &mut ChaCha8Rng| -> f64 {
-            let x: f64 = StandardNormal.sample(random);
-            WHITE.std[0] * x
-        };
+        let random = &mut ChaCha8Rng::seed_from_u64(100 + seed);
         for (q, cop) in log.q.iter().zip(&mut log.cop) {
-            *cop = world.cop(q).map(|truth| truth + noise(&mut random));
+            *cop = world
+                .cop(q)
+                .map(|truth| truth + WHITE.std[0] * normal(random));
         }
         let found = diagnosed(&log, MotionModel::Auto);
-        assert_eq!(found.verdict, Verdict::None, "{}", found.sentence);
-        assert!(!found.motion.used, "{}", found.sentence);
+        assert_eq!(found.verdict, Verdict::None);
+        assert!(!found.motion.used);
     }
 }
 
@@ -168,10 +139,7 @@ fn a_hidden_offset_is_named_in_a_moving_log() {
     let hide = |w: World| w.joint_offset("r_hip_roll", 0.05).unwrap();
     let log = recorded(hide, Swing::new(0.7, 0.15, 10.0), 50.0, 12);
     let found = diagnosed(&log, MotionModel::Auto);
-    println!("{}", found.sentence);
-    let members = &found.indistinguishable;
-    let is = |member: &Vec<String>| *member == ["joint_offset:r_hip_roll"];
-    assert!(members.iter().any(is), "{members:?}");
+    lists(&found, &["joint_offset:r_hip_roll"]);
 }
 
 /// Encoders that write ticks, noise that lasts as long as the motion, rows at 100, 50, 20 and
@@ -194,11 +162,10 @@ fn every_rate_gives_the_same_verdict() {
         let recording = swing.record(&stage, world, noise, 100.0, &mut random);
         for nth in [1, 2, 5, 10] {
             let found = diagnosed(&recording.every(nth), MotionModel::Auto);
-            println!("{hertz} Hz, one in {nth}: {}", found.sentence);
-            assert_eq!(found.verdict, Verdict::None);
+            assert_eq!(found.verdict, Verdict::None, "one in {nth}");
             assert!(found.motion.used);
             let share = found.motion.share.unwrap();
-            assert!((share.value - 1.0).abs() < 4.0 * share.std, "{share:?}");
+            is_whole([share.value, share.std], 0.0);
         }
     }
 }
@@ -206,22 +173,17 @@ fn every_rate_gives_the_same_verdict() {
 /// RMS of what predictions of a log are off from its readings, m, rows at its ends apart,
 /// with `hidden` in the model file.
 fn off(log: LogSource, readings: &[[f64; 2]], motion: MotionModel, hidden: &[&str]) -> f64 {
-    let stance = Stance::new(Robot::read(Path::new(&stage().urdf)).unwrap()).on("r_sole");
+    let stance = Stance::new(asked::robot(&stage())).on("r_sole");
     let file = hide(stance.model().unwrap(), hidden).unwrap().file;
     let mut request = predict::Request::new(stance, log);
     request.stance.parameters = file.map(Arc::new);
     request.motion = motion;
     let found = predict::predict(&request, &mut ()).unwrap().cop_m;
     let rows = 20..readings.len() - 20;
-    let square: f64 = rows
+    let gaps = rows
         .clone()
-        .map(|k| {
-            (0..2)
-                .map(|axis| (found[k][axis] - readings[k][axis]).powi(2))
-                .sum::<f64>()
-        })
-        .sum();
-    (square / (2 * rows.len()) as f64).sqrt()
+        .flat_map(|k| [0, 1].map(|axis| found[k][axis] - readings[k][axis]));
+    (gaps.map(|gap| gap * gap).sum::<f64>() / (2 * rows.len()) as f64).sqrt()
 }
 
 /// Against the virtual robot, whose numerics are its own, also with a weight on its trunk.
@@ -242,15 +204,9 @@ fn predictions_are_those_of_the_moving_robot() {
         ] {
             let mut random = ChaCha8Rng::seed_from_u64(5);
             let log = swing.record(&stage, world, quiet, rate, &mut random);
-            let of = |motion, hidden| off(table(&log).into(), &log.cop, motion, hidden);
-            let moving = of(MotionModel::Auto, hidden);
-            let standing = of(MotionModel::Off, hidden);
-            println!(
-                "{rate} Hz: {:.4} mm, standing {:.2} mm",
-                1e3 * moving,
-                1e3 * standing
-            );
-            assert!(moving < within && standing > 2e-3);
+            let of = |motion| off(log.table(true).into(), &log.cop, motion, hidden);
+            let (moving, standing) = (of(MotionModel::Auto), of(MotionModel::Off));
+            assert!(moving < within && standing > 2e-3, "{moving} {standing}");
         }
     }
 }
@@ -258,28 +214,20 @@ fn predictions_are_those_of_the_moving_robot() {
 /// A simulated motion, with what its model has hidden, is predicted by the same model.
 #[test]
 fn simulations_and_predictions_agree() {
-    let model = || Stance::new(Robot::read(Path::new(&stage().urdf)).unwrap()).on("r_sole");
+    let stance = || Stance::new(asked::robot(&stage())).on("r_sole");
     let hidden = ["joint_offset:r_knee=2deg", "sensor_gain=1.1,0.9"];
     for effects in [&hidden[..0], &hidden[..]] {
-        let model = hide(model().model().unwrap(), effects).unwrap();
+        let model = hide(stance().model().unwrap(), effects).unwrap();
         let mut request = simulate::Request::new(model.clone(), 600);
         request.range = Some(0.4);
         request.rate = Some(50.0);
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("log.csv");
+        let folder = Folder::empty();
+        let path = folder.join("log.csv");
         simulate::write(&request, &path, &mut ()).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
-        let mut rows = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
-        let header = rows.next().unwrap();
-        let at = |name: &str| header.iter().position(|column| *column == name).unwrap();
-        let columns = [at("t"), at("cop_x"), at("cop_y")];
-        let numbers: Vec<[f64; 3]> = rows
-            .map(|row| columns.map(|k| row[k].parse().unwrap()))
-            .collect();
-        assert!((numbers[50][0] - 1.0).abs() < 1e-12);
-        let cop: Vec<[f64; 2]> = numbers.iter().map(|row| [row[1], row[2]]).collect();
-        let stance = Stance::new(Robot::read(Path::new(&stage().urdf)).unwrap());
-        let mut asked = predict::Request::new(stance.on("r_sole"), path.as_path());
+        let log = folder.sheet("log.csv");
+        assert!((log.numbers(&["t"])[50][0] - 1.0).abs() < 1e-12);
+        let cop = log.cop();
+        let mut asked = predict::Request::new(stance(), path.as_path());
         asked.stance.parameters = model.file.clone().map(Arc::new);
         let found = predict::predict(&asked, &mut ()).unwrap().cop_m;
         asked.motion = MotionModel::Off;
@@ -289,11 +237,6 @@ fn simulations_and_predictions_agree() {
             rows.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]))
                 .fold(0.0, f64::max)
         };
-        println!(
-            "worst {:.4} mm, standing {:.2} mm",
-            1e3 * worst(&found),
-            1e3 * worst(&standing)
-        );
         assert!(worst(&found) < 2e-5 && worst(&standing) > 1e-3);
     }
 }
@@ -306,7 +249,6 @@ fn a_delay_is_found_as_long_as_it_is_at_every_rate() {
     let log = recorded(hide, Swing::new(0.7, 0.15, 10.0), 100.0, 13);
     for nth in [1, 5] {
         let found = diagnosed(&log.every(nth), MotionModel::Auto);
-        println!("one in {nth}: {}", found.sentence);
         assert_eq!(found.steps[0].effect, "time_delay");
         let delay = &found.steps[0].parameters["delay_s"];
         assert!((delay.value.abs() - 0.05).abs() < 0.001, "{}", delay.value);
@@ -322,17 +264,15 @@ fn a_payload_in_motion_is_found_at_every_rate() {
     let log = recorded(hide, Swing::new(0.7, 0.15, 10.0), 100.0, 14);
     for nth in [1, 2, 5, 10] {
         let found = diagnosed(&log.every(nth), MotionModel::Auto);
-        println!("one in {nth}: {}", found.sentence);
-        let named: Vec<&str> = found.steps.iter().map(|step| step.effect).collect();
-        assert_eq!(named, ["payload"]);
+        let [step] = &found.steps[..] else {
+            panic!("{}", found.sentence)
+        };
+        assert_eq!(step.effect, "payload");
         // A head that nods little is as good a place in ten seconds.
-        let members = &found.indistinguishable;
-        let is = |member: &Vec<String>| *member == ["payload:body_link"];
-        let step = &found.steps[0];
         let mass = &step.parameters["mass_kg"];
         match step.target == "body_link" {
             true => assert!((mass.value - 0.3).abs() < 3.0 * mass.std, "{mass:?}"),
-            false => assert!(members.iter().any(is), "{members:?}"),
+            false => lists(&found, &["payload:body_link"]),
         }
         assert!(found.last.rmse < 1.15 * WHITE.std[0], "{}", found.last.rmse);
         assert!(found.model_on_log.agrees);
@@ -366,24 +306,20 @@ fn a_delay_is_found_in_a_long_log() {
     let at = |t: f64, order: i32| -> Vec<f64> {
         let quarter = f64::from(order) * std::f64::consts::FRAC_PI_2;
         let of = |[w, p]: &[f64; 2]| 0.12 * w.powi(order) * (w * t + p + quarter).sin();
-        waves
-            .chunks(2)
-            .map(|own| own.iter().map(of).sum())
-            .collect()
+        let joints = waves.chunks(2);
+        joints.map(|own| own.iter().map(of).sum()).collect()
     };
     let times: Vec<f64> = (0..rows).map(|k| 0.01 * f64::from(k)).collect();
     let all = |order: i32, late: f64| -> Vec<f64> {
         times.iter().flat_map(|t| at(t + late, order)).collect()
     };
-    let model = robot
-        .model("foot", sesc_model::Snapping::Off, None)
-        .unwrap();
+    let model = robot.model("foot", Snapping::Off, None).unwrap();
     let moving = MotionPredictor::new(&model);
     let [q, rates, gains] = [0, 1, 2].map(|order| all(order, DELAY_S));
     let shifts = moving.shifts(&q, rows as usize, (&rates, &gains));
-    let cop = ReadingPredictor::new(&model);
-    let cop = cop
-        .run((&q, rows as usize), &InLog::default(), &[], &shifts)
+    let asked = (&q[..], rows as usize);
+    let cop = ReadingPredictor::new(&model)
+        .run(asked, &InLog::default(), &[], &shifts)
         .1;
     let mut random = ChaCha8Rng::seed_from_u64(21);
     let noise = [5e-4; 2].map(|std| draw(Kind::White, std, &times, &mut random));
@@ -404,15 +340,9 @@ fn a_delay_is_found_in_a_long_log() {
     request.support = Some("foot".to_string());
     request.prior = "tight".into();
     request.noise = Some(5e-4);
-    let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
-    println!("{}", found.sentence);
-    let named: Vec<&str> = found.steps.iter().map(|step| step.effect).collect();
-    assert_eq!(named, ["time_delay"]);
-    let delay = &found.steps[0].parameters["delay_s"];
-    assert!(
-        (delay.value.abs() - DELAY_S).abs() < 0.001,
-        "{}",
-        delay.value
-    );
+    let found = asked::diagnosed(&request);
+    assert_eq!(labels(&found), ["time_delay:-"]);
+    let delay = found.steps[0].parameters["delay_s"].value;
+    assert!((delay.abs() - DELAY_S).abs() < 0.001, "{delay}");
     assert!(found.last.rmse < 1.15 * 5e-4, "{}", found.last.rmse);
 }

@@ -8,9 +8,10 @@ use sesc::inspect::{RankCheck, numeric_rank};
 use sesc::verify::verify;
 use sesc_identify::robot::Robot;
 use sesc_identify::simulate::Simulator;
+use sesc_model::program::Counts;
 use sesc_model::tree::Motion;
 use sesc_model::{Function, Given, Model, Snapping};
-use sesc_test_support::trees::{Kind, stripped, tree};
+use sesc_test_support::trees::{Kind, Urdf, stripped, tree};
 
 fn model(seed: u64, kind: Kind, snapping: Snapping) -> (Robot, Model, String) {
     let (text, links) = tree(seed, kind);
@@ -18,6 +19,10 @@ fn model(seed: u64, kind: Kind, snapping: Snapping) -> (Robot, Model, String) {
     let support = links[(seed as usize * 7) % links.len()].clone();
     let model = robot.model(&support, snapping, None).unwrap();
     (robot, model, support)
+}
+
+fn counts(model: &Model, function: Function) -> Counts {
+    model.program(function, Given::Positions).unwrap().counts()
 }
 
 /// Shapes from a single joint to a hundred, chains to bushes.
@@ -37,11 +42,7 @@ fn mixed(seed: u64) -> Kind {
 fn every_function_agrees_with_the_reference_from_angles_and_from_sines() {
     let mut from_sines = 0;
     for seed in 0..320 {
-        let snapping = if seed % 2 == 0 {
-            Snapping::Off
-        } else {
-            Snapping::default()
-        };
+        let snapping = [Snapping::Off, Snapping::default()][seed as usize % 2];
         let (robot, model, support) = model(seed, mixed(seed), snapping);
         let found = verify(&robot, &model, 12, seed, &mut ()).unwrap();
         assert!(found.pass, "seed {seed} on {support}: {found:#?}");
@@ -49,10 +50,8 @@ fn every_function_agrees_with_the_reference_from_angles_and_from_sines() {
         assert!(picometre, "seed {seed}: {found:#?}");
         from_sines += usize::from(found.worst_error.contains_key("com_sc"));
     }
-    assert!(
-        (100..300).contains(&from_sines),
-        "{from_sines} of 320 trees"
-    );
+    let some = (100..300).contains(&from_sines);
+    assert!(some, "{from_sines} of 320 trees");
 }
 
 /// Ranks by numbers are the symbolic counts: 3 + 2 per revolute joint + 1 per prismatic one,
@@ -112,21 +111,16 @@ fn the_references_own_columns_have_the_same_ranks() {
 /// Followers geared down a thousandfold are parameters like any other.
 #[test]
 fn slow_followers_keep_their_parameters() {
-    let mut text = String::from("<robot name='gears'><link name='base'/><link name='motor'/>");
-    text += "<joint name='m' type='revolute'><parent link='base'/><child link='motor'/>\
-             <axis xyz='0 0 1'/><limit lower='-700' upper='700'/></joint>";
-    let mut parent = "base".to_string();
-    for k in 0..4 {
-        text += &format!(
-            "<link name='l{k}'><inertial><origin xyz='0.1 0.2 0.3'/><mass value='1'/></inertial></link>\
-             <joint name='f{k}' type='revolute'><parent link='{parent}'/><child link='l{k}'/>\
-             <origin xyz='0.2 0 0.1'/><axis xyz='1 0 0'/><limit lower='-2' upper='2'/>\
-             <mimic joint='m' multiplier='0.002'/></joint>"
-        );
-        parent = format!("l{k}");
+    let motor = "<axis xyz='0 0 1'/><limit lower='-700' upper='700'/>";
+    let geared = "<origin xyz='0.2 0 0.1'/><axis xyz='1 0 0'/><limit lower='-2' upper='2'/>\
+                  <mimic joint='m' multiplier='0.002'/>";
+    let mut gears = Urdf::new("gears").raw("<link name='base'/><link name='motor'/>");
+    gears = gears.joint("m", "revolute", ["base", "motor"], motor);
+    for links in [["base", "l0"], ["l0", "l1"], ["l1", "l2"], ["l2", "l3"]] {
+        gears = gears.link(links[1], 1.0, "0.1 0.2 0.3");
+        gears = gears.joint(&format!("of_{}", links[1]), "revolute", links, geared);
     }
-    text += "</robot>";
-    let robot = Robot::parse(&text, "gears.urdf").unwrap();
+    let robot = Robot::parse(&gears.text(), "gears.urdf").unwrap();
     let model = robot.model("base", Snapping::default(), None).unwrap();
     // The motor's own two, base's three, and two for each angle 1 to 4 times 0.002 m.
     assert_eq!(model.base.params.len(), 3 + 2 + 2 * 4);
@@ -138,23 +132,19 @@ fn slow_followers_keep_their_parameters() {
 #[test]
 fn hair_thin_twists_cost_at_most_four_more() {
     for tilt in ["1e-12", "1e-10", "5e-10", "2e-9", "1e-6"] {
-        let mut text = String::from("<robot name='hair'><link name='l0'/>");
+        let mut hair = Urdf::new("hair").raw("<link name='l0'/>");
         for k in 0..20 {
-            text += &format!(
-                "<link name='l{0}'><inertial><mass value='1'/></inertial></link>\
-                 <joint name='j{k}' type='revolute'><parent link='l{k}'/><child link='l{0}'/>\
-                 <origin xyz='0 0.1 0.2' rpy='{tilt} 2.3e-10 0'/><axis xyz='0 0 1'/>\
-                 <limit lower='-1' upper='1'/></joint>",
-                k + 1
+            let [parent, child] = [k, k + 1].map(|k| format!("l{k}"));
+            let more = format!(
+                "<origin xyz='0 0.1 0.2' rpy='{tilt} 2.3e-10 0'/><axis xyz='0 0 1'/>\
+                 <limit lower='-1' upper='1'/>"
             );
+            hair = hair.link(&child, 1.0, "0 0 0");
+            hair = hair.joint(&format!("j{k}"), "revolute", [&parent, &child], &more);
         }
-        text += "</robot>";
-        let robot = Robot::parse(&text, "hair.urdf").unwrap();
+        let robot = Robot::parse(&hair.text(), "hair.urdf").unwrap();
         let model = robot.model("l0", Snapping::Off, None).unwrap();
-        let counts = model
-            .program(Function::Com, Given::Positions)
-            .unwrap()
-            .counts();
+        let counts = counts(&model, Function::Com);
         assert!(counts.mul <= 160, "{tilt}: {counts:?}");
     }
 }
@@ -172,13 +162,12 @@ fn trees_cost_four_multiplications_a_joint_and_skewed_twists_four_more() {
             };
             let (_, model, _) = model(seed, kind, Snapping::default());
             let n = model.dof();
-            let counts = |function| model.program(function, Given::Positions).unwrap().counts();
-            let com = counts(Function::Com);
+            let com = counts(&model, Function::Com);
             assert!(com.mul <= 8 * n, "seed {seed}: {com:?} for {n} joints");
             if canonical {
                 assert!(com.mul <= 4 * n, "seed {seed}: {com:?} for {n} joints");
                 assert!(com.add <= 5 * n, "seed {seed}: {com:?} for {n} joints");
-                let rows = counts(Function::RegressorCop);
+                let rows = counts(&model, Function::RegressorCop);
                 assert!(rows.mul <= 8 * n, "seed {seed}: {rows:?} for {n} joints");
             }
         }
@@ -220,9 +209,8 @@ fn the_reference_reads_trees_that_lack_what_a_urdf_may_lack() {
 #[test]
 fn the_reference_reads_every_urdf() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut folders: Vec<PathBuf> = ["robots", "tests", "codegen/tests", "fuzz/seeds"]
-        .map(|folder| root.join(folder))
-        .to_vec();
+    let folders = ["robots", "tests", "codegen/tests", "fuzz/seeds"];
+    let mut folders: Vec<PathBuf> = folders.map(|folder| root.join(folder)).into();
     let mut read = 0;
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {

@@ -2,14 +2,15 @@
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_identify::diagnose::{Verdict, diagnose};
-use sesc_test_support::command::{ROOT, sesc, stdout};
+use sesc_identify::diagnose::{Diagnosis, Verdict};
+use sesc_reference::World;
+use sesc_test_support::command::{Folder, number, says};
 use sesc_test_support::examine::recordings::{Kept, Said};
 use sesc_test_support::moving::Swing;
-use sesc_test_support::recording::{Kind, Motion, Noise};
+use sesc_test_support::recording::{Kind, Motion, Noise, Recording};
 use sesc_test_support::stage::{Platform, Stage};
 
-use crate::asked::of_recording;
+use crate::asked::{diagnosed, lists, of_recording};
 
 const NOISE: Noise = Noise {
     kind: Kind::White,
@@ -78,14 +79,10 @@ fn visits_that_differ_are_what_a_recording_is_worth() {
         hold: 1.0,
     };
     for timed in [true, false] {
-        let same = Kept {
+        let [same, differ] = [0.0, 4e-3].map(|visit_std| Kept {
             timed,
-            ..case(stays, Kind::White, 0.0)
-        };
-        let differ = Kept {
-            timed,
-            ..case(stays, Kind::White, 4e-3)
-        };
+            ..case(stays, Kind::White, visit_std)
+        });
         let (share, worth) = summed(&ask(&same, 0..6));
         assert!(share > 0.88, "{share}");
         assert_eq!(worth, 1200.0);
@@ -121,46 +118,66 @@ fn the_noise_that_nobody_states_is_found() {
 /// What is said of it, by the command line.
 #[test]
 fn rows_and_what_they_are_worth_are_said() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::with("op2");
     let stage = Stage::new(Platform::Op2);
     let recording = case(Motion::Sines(60.0), Kind::Ar1(0.4), 0.0).record(&stage, 5);
-    let log = |timed: bool| {
-        let columns = recording.columns(timed);
-        let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-        let mut text = names.join(",") + "\n";
-        for k in 0..recording.t.len() {
-            let row: Vec<String> = columns.iter().map(|(_, v)| v[k].to_string()).collect();
-            text += &(row.join(",") + "\n");
-        }
-        let path = folder
-            .path()
-            .join(if timed { "timed.csv" } else { "rows.csv" });
-        std::fs::write(&path, text).unwrap();
-        path.display().to_string()
-    };
-    let urdf = format!("{ROOT}/robots/op2/op2.urdf");
-    let fit = |log: &str, json: bool| {
-        let mut arguments = vec!["fit", &urdf, "--data", log, "--support", "r_sole"];
-        if json {
-            arguments.push("--json");
-        }
-        stdout(&sesc(&arguments))
-    };
-    let (timed, rows) = (log(true), log(false));
-    let said: serde_json::Value = serde_json::from_str(&fit(&timed, true)).unwrap();
-    let samples = &said["samples"];
+    folder.write("timed.csv", recording.csv(true));
+    folder.write("rows.csv", recording.csv(false));
+    let fit = "fit op2.urdf --support r_sole --data";
+    let samples = &folder.json(&format!("{fit} timed.csv"))["samples"];
     assert_eq!(samples["rows"], 600);
     assert_eq!(samples["assumed"], false);
     let worth = samples["independent"].as_u64().unwrap();
     assert!((30..160).contains(&worth), "{samples}");
-    assert!((0.15..1.2).contains(&samples["correlation_s"].as_f64().unwrap()));
-    let text = fit(&timed, false);
+    assert!((0.15..1.2).contains(&number(samples, "/correlation_s")));
     let sentence = format!("600 rows, worth about {worth} independent ones: noise is correlated");
-    assert!(text.contains(&sentence), "{text}");
-    let said: serde_json::Value = serde_json::from_str(&fit(&rows, true)).unwrap();
-    assert_eq!(said["samples"]["independent"], 600);
-    assert_eq!(said["samples"]["assumed"], true);
-    assert!(fit(&rows, false).contains("600 rows, taken as independent"));
+    says(folder.stdout(&format!("{fit} timed.csv")), &[&sentence]);
+    let samples = &folder.json(&format!("{fit} rows.csv"))["samples"];
+    assert_eq!(samples["independent"], 600);
+    assert_eq!(samples["assumed"], true);
+    let said = folder.stdout(&format!("{fit} rows.csv"));
+    says(said, &["600 rows, taken as independent"]);
+}
+
+/// An OP2 that moves by slow sines for `seconds` at `rate` Hz, with noise that is stated truthfully.
+fn swaying(
+    hide: impl Fn(World) -> World,
+    (seconds, rate): (f64, f64),
+    kind: Kind,
+    seed: u64,
+) -> Diagnosis {
+    let stage = Stage::new(Platform::Op2);
+    let noise = Noise { kind, ..NOISE };
+    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    let (world, sines) = (hide(stage.world()), Motion::Sines(seconds));
+    let recording = Recording::take(&stage, &world, sines, noise, rate, random);
+    let mut request = of_recording(&stage, &recording);
+    request.noise = Some(NOISE.std[0]);
+    diagnosed(&request)
+}
+
+/// `cargo xtask study false-alarms` counts false alarms of many such recordings.
+#[test]
+fn nothing_is_named_in_correlated_noise() {
+    for (seed, tau) in [(0, 0.1), (10, 0.4), (20, 0.8)] {
+        let found = swaying(|w| w, (120.0, 10.0), Kind::Ar1(tau), seed);
+        assert_eq!(found.verdict, Verdict::None, "τ {tau}");
+        let a = (-1.0_f64 / (10.0 * tau)).exp();
+        let true_count = 1200.0 * (1.0 - a) / (1.0 + a);
+        // Of the axis that has fewer, which scatters below the truth.
+        let ratio = found.samples.independent as f64 / true_count;
+        assert!((0.3..2.0).contains(&ratio), "τ {tau}: {ratio}");
+    }
+    let found = swaying(|w| w, (40.0, 10.0), Kind::White, 8);
+    assert_eq!(found.samples.independent, found.samples.rows);
+    assert_eq!(found.verdict, Verdict::None);
+}
+
+#[test]
+fn a_large_effect_is_named_in_correlated_noise() {
+    let hide = |w: World| w.joint_offset("r_hip_roll", 0.12).unwrap();
+    let found = swaying(hide, (60.0, 20.0), Kind::Ar1(0.3), 5);
+    lists(&found, &["joint_offset:r_hip_roll"]);
 }
 
 /// 4096 ticks a turn make accelerations of ten rows a second wrong by millimetres of ZMP. Were
@@ -209,9 +226,7 @@ fn a_gap_that_is_bent_wrongly_is_no_noise_without_end() {
     let world = stage.world().joint_offset("r_knee", 3_f64.to_radians());
     let noise = Noise::new(Kind::Ar1(0.2), 1e-3);
     let recording = swing.record(&stage, world.unwrap(), noise, 100.0, random);
-    let request = of_recording(&stage, &recording);
-    let found = diagnose(&request, &mut ()).unwrap().diagnosis;
-    println!("{:?} {:?} {}", found.verdict, found.samples, found.sentence);
+    let found = diagnosed(&of_recording(&stage, &recording));
     assert!((25..100).contains(&found.samples.independent));
     assert!((0.8e-3..1.25e-3).contains(&found.noise), "{}", found.noise);
     assert!(matches!(found.verdict, Verdict::Named | Verdict::Class));

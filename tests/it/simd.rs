@@ -15,9 +15,8 @@ const BLOCKS: usize = 4;
 
 /// Joint velocities of every posture, rad/s or m/s; single precision holds them.
 fn rates(dof: usize) -> Vec<f64> {
-    (0..dof)
-        .map(|j| f64::from(1.0 / (1.0 + j as f32)))
-        .collect()
+    let rate = |j| f64::from(1.0 / (1.0 + j as f32));
+    (0..dof).map(rate).collect()
 }
 
 /// What one function gives for each posture, and what it may be off by.
@@ -185,28 +184,14 @@ fn model(urdf: &str, support: &str) -> Model {
 
 #[test]
 fn op2_in_doubles() {
-    functions!(
-        [Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop],
-        sesc_generated::op2_r_sole,
-        Op2RSole,
-        &model(OP2_URDF, "r_sole"),
-        F64x8,
-        f64,
-        Precision::F64
-    );
+    functions!([Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop],
+        sesc_generated::op2_r_sole, Op2RSole, &model(OP2_URDF, "r_sole"), F64x8, f64, Precision::F64);
 }
 
 #[test]
 fn op2_in_singles() {
-    functions!(
-        [Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop],
-        sesc_bench_robots::op2_l_sole,
-        Op2LSole,
-        &model(OP2_URDF, "l_sole"),
-        F32x16,
-        f32,
-        Precision::F32
-    );
+    functions!([Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop],
+        sesc_bench_robots::op2_l_sole, Op2LSole, &model(OP2_URDF, "l_sole"), F32x16, f32, Precision::F32);
 }
 
 /// Skewed axes, constants everywhere; its other functions take the compiler minutes.
@@ -214,9 +199,8 @@ fn op2_in_singles() {
 fn a_skewed_humanoid() {
     let urdf = include_str!("../../robots/skew_humanoid/skew_humanoid.urdf");
     let model = model(urdf, "right_sole");
-    functions!(
-        [Com RegressorCop], sesc_bench_robots::skew_humanoid_right_sole, SkewHumanoidRightSole, &model, F64x8, f64, Precision::F64
-    );
+    functions!([Com RegressorCop], sesc_bench_robots::skew_humanoid_right_sole,
+        SkewHumanoidRightSole, &model, F64x8, f64, Precision::F64);
 }
 
 /// Effects of the body are part of every function, in batches and one posture at a time.
@@ -227,13 +211,6 @@ fn a_robot_with_a_load_springs_and_an_offset() {
     let urdf = include_str!("../../robots/two_link/two_link.urdf");
     let model = model(urdf, "foot").with_file(file).unwrap();
     assert_eq!(model.effects_of(Function::ComJacobian).len(), 3);
-    functions!(
-        [Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop Zmp],
-        sesc_bench_robots::two_link_bent,
-        TwoLinkBent,
-        &model,
-        F64x8,
-        f64,
-        Precision::F64
-    );
+    functions!([Com ComJacobian ComVelocity GravityMoments Regressor RegressorCop RegressorFull Cop Zmp],
+        sesc_bench_robots::two_link_bent, TwoLinkBent, &model, F64x8, f64, Precision::F64);
 }

@@ -6,7 +6,8 @@
 use std::fs;
 
 use serde_json::Value;
-use sesc_test_support::command::{Folder, ROOT, op2, stderr};
+use sesc_test_support::command::{Folder, ROOT, json, list, number, op2, says, stderr, texts};
+use sesc_test_support::trees::Urdf;
 
 /// A folder with the files of a case and the robots that several share.
 fn case(name: &str) -> Folder {
@@ -21,42 +22,6 @@ fn case(name: &str) -> Folder {
         }
     }
     folder
-}
-
-/// What a command that succeeds says on stderr.
-fn said(folder: &Folder, line: &str) -> String {
-    let output = folder.run(line);
-    assert!(output.status.success(), "{line}: {}", stderr(&output));
-    stderr(&output)
-}
-
-fn says(text: impl AsRef<str>, words: &[&str]) {
-    for word in words {
-        assert!(
-            text.as_ref().contains(word),
-            "`{word}` is not in: {}",
-            text.as_ref()
-        );
-    }
-}
-
-/// A number of a JSON answer.
-fn number(answer: &Value, path: &str) -> f64 {
-    let value = answer.pointer(path).and_then(Value::as_f64);
-    value.unwrap_or_else(|| panic!("{path}: {answer}"))
-}
-
-/// A table without the columns whose names end so.
-fn without_columns(table: &str, end: &str) -> String {
-    let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
-    let kept = |line: &str| {
-        let fields = line
-            .split(',')
-            .zip(&names)
-            .filter(|(_, name)| !name.ends_with(end));
-        fields.map(|(field, _)| field).collect::<Vec<_>>().join(",")
-    };
-    table.lines().map(kept).collect::<Vec<_>>().join("\n")
 }
 
 /// Nothing is missing, and what is left is the noise of half a millimetre.
@@ -94,38 +59,25 @@ fn headers_of_other_programs_are_read_or_told() {
     assert_eq!(found["postures"], 2);
     // A first line of numbers is not taken for names.
     folder.write("bare.csv", "0.1,0.2,0.3\n0.4,0.5,0.6\n");
-    let line = "fit post.urdf --support sole --data bare.csv";
-    folder.refuses(
-        line,
-        &["bare.csv:1: the first line has numbers, not the names of columns"],
+    folder.refuses_each(
+        "fit post.urdf --support sole --data bare.csv
+            | bare.csv:1: the first line has numbers, not the names of columns",
     );
     // Units are brought to SI: the same log in degrees, milliseconds and millimetres.
     let si = folder.json("fit post.urdf --data units_in_names.csv");
-    let text = folder.read("units_in_names.csv");
-    let mut rows = text.lines();
-    let names = rows
-        .next()
-        .unwrap()
-        .replace("[rad]", "[deg]")
-        .replace("[m]", "[mm]");
-    let factors: Vec<f64> = names
-        .split(',')
-        .map(|name| match name {
-            name if name.ends_with("[deg]") => 180.0 / std::f64::consts::PI,
-            name if name.ends_with("[mm]") => 1000.0,
-            _ => 1.0,
-        })
-        .collect();
-    let scaled = rows.map(|row| {
-        let fields = row.split(',').zip(&factors);
-        let fields = fields.map(|(x, factor)| match *factor == 1.0 {
-            true => x.to_string(),
-            false => format!("{}", x.parse::<f64>().unwrap() * factor),
-        });
-        fields.collect::<Vec<_>>().join(",")
-    });
-    let scaled = scaled.collect::<Vec<_>>().join("\n");
-    folder.write("scaled.csv", format!("{names}\n{scaled}\n"));
+    let mut scaled = folder.sheet("units_in_names.csv");
+    for name in scaled.names.clone() {
+        let factor = match &name {
+            name if name.ends_with("[rad]") => 180.0 / std::f64::consts::PI,
+            name if name.ends_with("[m]") => 1000.0,
+            _ => continue,
+        };
+        for (row, x) in scaled.numbers(&[&name]).concat().iter().enumerate() {
+            scaled.set(&name, Some(row), &(factor * x).to_string());
+        }
+    }
+    let text = scaled.to_string().replace("[rad]", "[deg]");
+    folder.write("scaled.csv", text.replace("[m]", "[mm]"));
     folder.write("scaled.csv.toml", folder.read("units_in_names.csv.toml"));
     let other = folder.json("fit post.urdf --data scaled.csv");
     for k in 0..5 {
@@ -154,7 +106,7 @@ fn parquet_of_every_writer_is_read() {
         let found = folder.json(&format!("fit post.urdf --data {log}.parquet"));
         assert_eq!(found["postures"], 40, "{log}");
     }
-    let said = said(&folder, "fit post.urdf --data null_std.parquet");
+    let said = folder.said("fit post.urdf --data null_std.parquet");
     says(
         said,
         &["without a value, and not used: `cop_x_std`, `cop_y_std`"],
@@ -183,17 +135,13 @@ fn files_of_other_formats_are_told_what_they_are() {
         ("a.feather", b"ARROW1\0\0", "to_parquet('a.parquet')"),
     ] {
         folder.write(name, bytes);
-        folder.refuses(
-            &format!("fit two_link.urdf --support foot --data {name}"),
-            &[words],
-        );
+        let line = format!("fit two_link.urdf --support foot --data {name}");
+        folder.refuses(&line, &[words]);
     }
     folder.write("bag/metadata.yaml", "");
     folder.write("bag/bag_0.mcap", "");
-    folder.refuses(
-        "fit two_link.urdf --support foot --data bag",
-        &["`bag_0.mcap`"],
-    );
+    let bag = "fit two_link.urdf --support foot --data bag";
+    folder.refuses(bag, &["`bag_0.mcap`"]);
 }
 
 /// A value that a message or row does not have costs that value.
@@ -201,34 +149,24 @@ fn files_of_other_formats_are_told_what_they_are() {
 fn missing_values_cost_themselves() {
     let folder = case("nan_position");
     let log = "fit post.urdf --data one_nan_in_seven.mcap";
-    says(
-        said(&folder, log),
-        &["190 of 1324 joint states name a joint without its position"],
-    );
+    let without = "190 of 1324 joint states name a joint without its position";
+    says(folder.said(log), &[without]);
     assert_eq!(folder.json(log)["postures"], 24);
     let folder = case("positions_empty");
     let log = "fit post.urdf --data velocity_only_too.mcap";
-    says(said(&folder, log), &["662 of 1986 joint states"]);
+    says(folder.said(log), &["662 of 1986 joint states"]);
     assert_eq!(folder.json(log)["postures"], 24);
     // In a table: one row misses a joint, one its reading, one has no number of its posture.
     let folder = case("numpy_savetxt");
-    let text = folder.read("default.csv");
-    let mut rows: Vec<String> = text.lines().map(str::to_string).collect();
-    for (row, field, value) in [(2, 1, "nan"), (5, 6, ""), (8, 0, "NA")] {
-        let mut fields: Vec<&str> = rows[row].split(',').collect();
-        fields[field] = value;
-        rows[row] = fields.join(",");
+    let mut holes = folder.sheet("default.csv");
+    for (row, field, value) in [(1, 1, "nan"), (4, 6, ""), (7, 0, "NA")] {
+        holes.rows[row][field] = value.to_string();
     }
-    folder.write("holes.csv", rows.join("\n"));
+    folder.write("holes.csv", holes.to_string());
     folder.write("holes.csv.toml", folder.read("default.csv.toml"));
     let line = "fit post.urdf --data holes.csv";
-    says(
-        said(&folder, line),
-        &[
-            "3 of 72 rows have no value of a column and are left out",
-            "(the first is row 3)",
-        ],
-    );
+    let holes = "3 of 72 rows have no value of a column and are left out";
+    says(folder.said(line), &[holes, "(the first is row 3)"]);
     assert_eq!(folder.json(line)["samples"]["rows"], 69);
 }
 
@@ -236,13 +174,8 @@ fn missing_values_cost_themselves() {
 fn zeros_of_a_second_publisher_are_left_out() {
     let folder = case("two_publishers_zeros");
     let line = "fit post.urdf --data zeros_at_4_hz.mcap";
-    says(
-        said(&folder, line),
-        &[
-            "joint states are of another sender or a glitch",
-            "and are left out",
-        ],
-    );
+    let zeros = "joint states are of another sender or a glitch";
+    says(folder.said(line), &[zeros, "and are left out"]);
     let found = folder.json(line);
     assert_eq!(found["postures"], 24);
     let noise = number(&found, "/noise_floor");
@@ -253,23 +186,17 @@ fn zeros_of_a_second_publisher_are_left_out() {
 #[test]
 fn joints_that_leap_are_a_finding() {
     let folder = case("continuous_joint_wraps");
-    let text = folder.read("unwrapped.csv");
-    let mut rows: Vec<&str> = text.lines().collect();
-    let names: Vec<&str> = rows[0].split(',').collect();
-    let at = names.iter().position(|name| *name == "shoulder").unwrap();
-    let mut fields: Vec<&str> = rows[200].split(',').collect();
-    fields[at] = "2.5";
-    let leap = fields.join(",");
-    rows[200] = &leap;
-    folder.write("leaps.csv", rows.join("\n"));
+    let mut leaps = folder.sheet("unwrapped.csv");
+    leaps.set("shoulder", Some(199), "2.5");
+    folder.write("leaps.csv", leaps.to_string());
     folder.write("leaps.csv.toml", folder.read("unwrapped.csv.toml"));
     let found = folder.json("diagnose wraps.urdf --data leaps.csv");
-    let kinds = found["health"].as_array().unwrap().iter();
+    let kinds = list(&found, "/health").iter();
     let leaps = kinds.filter(|finding| finding["kind"] == "joint_leaps");
     let targets: Vec<&Value> = leaps.map(|finding| &finding["target"]).collect();
     assert_eq!(targets, ["shoulder"], "{}", found["health"]);
     let sound = folder.json("diagnose wraps.urdf --data unwrapped.csv");
-    assert_eq!(sound["health"].as_array().unwrap().len(), 0);
+    assert_eq!(list(&sound, "/health").len(), 0);
 }
 
 #[test]
@@ -310,48 +237,29 @@ fn times_of_other_names_are_read_and_coarse_ones_told() {
     let text = folder.read("log.csv").replacen("time", "number", 1);
     folder.write("none.csv", text);
     folder.write("none.csv.toml", folder.read("log.csv.toml"));
-    let said_of =
-        |folder: &Folder, log: &str| said(folder, &format!("diagnose post.urdf --data {log}"));
-    says(
-        said_of(&folder, "none.csv"),
-        &["the log has no column `t`: motion is not counted"],
-    );
-    let coarse = case("time_is_coarse");
-    says(
-        said_of(&coarse, "tenths.csv"),
-        &[
-            "share the stamp of the row above",
-            "`t` has too few digits, and motion is not counted",
-        ],
-    );
+    let none = folder.said("diagnose post.urdf --data none.csv");
+    says(none, &["the log has no column `t`: motion is not counted"]);
+    let coarse = case("time_is_coarse").said("diagnose post.urdf --data tenths.csv");
+    let few = "`t` has too few digits, and motion is not counted";
+    says(coarse, &["share the stamp of the row above", few]);
 }
 
 #[test]
 fn frames_of_recordings_are_settled_for_every_command() {
     let folder = case("frame_id_is_support");
-    assert_eq!(
-        folder.json("fit post.urdf --data log.mcap")["support"],
-        "sole"
-    );
-    assert_eq!(
-        folder.json("diagnose post.urdf --data log.mcap")["verdict"],
-        "none"
-    );
+    let fit = folder.json("fit post.urdf --data log.mcap");
+    assert_eq!(fit["support"], "sole");
+    let found = folder.json("diagnose post.urdf --data log.mcap");
+    assert_eq!(found["verdict"], "none");
     // A CoM 0.48 m above the sole, as the frame says; above the trunk it would be elsewhere.
-    let predicted = folder.stdout("predict post.urdf --data log.mcap");
-    let first = predicted.lines().nth(1).unwrap();
-    let height: f64 = first.split(',').nth(3).unwrap().parse().unwrap();
-    assert!((0.4..0.5).contains(&height), "{first}");
+    let predicted = folder.json("predict post.urdf --data log.mcap");
+    let height = number(&predicted, "/com_m/0/2");
+    assert!((0.4..0.5).contains(&height), "{height}");
     let folder = case("unknown_frame_id");
     for command in ["fit", "diagnose"] {
-        let said = said(&folder, &format!("{command} post.urdf --data log.mcap"));
-        says(
-            said,
-            &[
-                "the frame `ankle_ft_sensor`, which the URDF does not have",
-                "origin of `sole`",
-            ],
-        );
+        let said = folder.said(&format!("{command} post.urdf --data log.mcap"));
+        let frame = "the frame `ankle_ft_sensor`, which the URDF does not have";
+        says(said, &[frame, "origin of `sole`"]);
     }
     // With the frame in the URDF, 20 mm in front of the sole, the wrench is moved: nothing is off.
     let sensor = "<link name='ankle_ft_sensor'/><joint name='to_sensor' type='fixed'><parent \
@@ -378,14 +286,9 @@ fn gains_and_units_are_named_over_their_range() {
     let found = folder.json("diagnose op2.urdf --data log.csv");
     assert_ne!(found["verdict"], "none");
     let step = &found["steps"][0];
-    assert_eq!(
-        (&step["effect"], &step["target"]),
-        (&"units".into(), &"-".into())
-    );
-    says(
-        found["sentence"].as_str().unwrap(),
-        &["forces in kgf and moments in N m"],
-    );
+    assert_eq!([&step["effect"], &step["target"]], ["units", "-"]);
+    let units = "forces in kgf and moments in N m";
+    says(found["sentence"].to_string(), &[units]);
 }
 
 /// Inertias that no body has are not believed: a healthy robot that moves is healthy.
@@ -393,43 +296,33 @@ fn gains_and_units_are_named_over_their_range() {
 fn placeholder_inertias_blame_no_joint() {
     let folder = case("placeholder_inertia");
     for urdf in ["post", "inertia_0.1", "inertia_1.0"] {
-        is_healthy(&folder.json(&format!(
-            "diagnose {urdf}.urdf --support sole --data log.csv"
-        )));
+        let line = format!("diagnose {urdf}.urdf --support sole --data log.csv");
+        is_healthy(&folder.json(&line));
     }
     is_healthy(&folder.json("diagnose op2_0.001.urdf --support r_sole --data op2.csv.gz"));
-    let notes = |line: &str| said(&folder, line);
+    let one = folder.said("inspect inertia_1.0.urdf --support sole");
     says(
-        notes("inspect inertia_1.0.urdf --support sole"),
+        one,
         &["link `foot`: its inertia has a radius of gyration of 1.00 m"],
     );
-    says(
-        notes("inspect op2_0.001.urdf --support r_sole"),
-        &[
-            "21 of this kind",
-            "a placeholder; motion counts the link as a point; also",
-        ],
-    );
-    let sound = notes(&format!("inspect {} --support r_sole", op2()));
+    let many = folder.said("inspect op2_0.001.urdf --support r_sole");
+    let placeholder = "a placeholder; motion counts the link as a point; also";
+    says(many, &["21 of this kind", placeholder]);
+    let sound = folder.said(&format!("inspect {} --support r_sole", op2()));
     assert!(!sound.contains("inertia"), "{sound}");
-    for (inertia, words) in [
-        (
-            "ixx='-1' iyy='1' izz='1'",
-            "has a negative principal moment",
-        ),
-        (
-            "ixx='1' iyy='1' izz='3'",
-            "more than the sum of the other two",
-        ),
+    for ([xx, yy, zz], words) in [
+        ([-1, 1, 1], "has a negative principal moment"),
+        ([1, 1, 3], "more than the sum of the other two"),
     ] {
-        let urdf = format!(
-            "<robot name='r'><link name='a'><inertial><mass value='9'/><inertia {inertia} ixy='0' \
-             ixz='0' iyz='0'/></inertial></link><link name='b'><inertial><mass \
-             value='0.001'/></inertial></link><joint name='j' type='continuous'><parent \
-             link='a'/><child link='b'/><origin xyz='0 0 9'/></joint></robot>"
+        let inertia = format!(
+            "<inertial><mass value='9'/><inertia ixx='{xx}' iyy='{yy}' izz='{zz}' ixy='0' ixz='0' \
+             iyz='0'/></inertial>"
         );
-        folder.write("odd.urdf", urdf);
-        let said = notes("inspect odd.urdf --support a");
+        let robot = Urdf::new("r").raw(&format!("<link name='a'>{inertia}</link>"));
+        let robot = robot.link("b", 0.001, "0 0 0");
+        let robot = robot.joint("j", "continuous", ["a", "b"], "<origin xyz='0 0 9'/>");
+        folder.write("odd.urdf", robot.text());
+        let said = folder.said("inspect odd.urdf --support a");
         says(said, &[words, "is it in grams?"]);
     }
 }
@@ -449,30 +342,24 @@ fn a_support_whose_z_is_not_up_is_said_by_every_command() {
         "verify robot.urdf --support foot",
         "predict robot.urdf --support foot --data log.csv",
     ] {
-        let said = said(&folder, line);
+        let said = folder.said(line);
         says(&said, z);
         assert!(!said.contains("foot@50mm"), "{said}");
     }
     for support in ["foot", "foot@50mm"] {
         for command in ["fit", "diagnose"] {
-            let line = format!("{command} robot.urdf --support {support} --data log.csv --json");
-            let output = folder.run(&line);
-            assert_eq!(output.status.code(), Some(1), "{line}");
-            let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+            let line = format!("{command} robot.urdf --support {support} --data log.csv");
+            let found = folder.json_of(1, &line);
             assert_eq!(found["health"][0]["kind"], "frame_turned", "{line}");
-            says(
-                found["health"][0]["sentence"].as_str().unwrap(),
-                &["its x axis points up"],
-            );
+            says(found["health"][0].to_string(), &["its x axis points up"]);
         }
     }
     // The lines that are proposed are those of the robot that made the log.
-    let said = said(&folder, "inspect robot.urdf --support foot");
+    let said = folder.said("inspect robot.urdf --support foot");
     let start = said.find("<link name=\"foot_sole\"/>").unwrap();
     let end = said.find("</joint>").unwrap() + "</joint>".len();
-    let urdf = folder
-        .read("robot.urdf")
-        .replace("</robot>", &format!("{}</robot>", &said[start..end]));
+    let lines = format!("{}</robot>", &said[start..end]);
+    let urdf = folder.read("robot.urdf").replace("</robot>", &lines);
     folder.write("mended.urdf", urdf);
     is_healthy(&folder.json("diagnose mended.urdf --support foot_sole --data log.csv"));
 }
@@ -480,7 +367,7 @@ fn a_support_whose_z_is_not_up_is_said_by_every_command() {
 #[test]
 fn rotations_of_what_has_no_mass_are_not_noted() {
     let folder = case("notes_on_massless_frames");
-    assert_eq!(said(&folder, "inspect robot.urdf --support sole"), "");
+    assert_eq!(folder.said("inspect robot.urdf --support sole"), "");
 }
 
 /// Five rows of a robot whose ankle is off by 1.2° tell nothing.
@@ -493,20 +380,15 @@ fn a_log_that_is_too_short_is_no_clean_bill_of_health() {
              joint_offset:left_ankle_pitch=1.2deg --seed 3 --out log.csv"
         ));
         // Nothing states the noise.
-        folder.write("log.csv", without_columns(&folder.read("log.csv"), "_std"));
+        let mut log = folder.sheet("log.csv");
+        log.keep(|name| !name.ends_with("_std"));
+        folder.write("log.csv", log.to_string());
         let found = folder.json("diagnose plain_humanoid.urdf --data log.csv");
-        assert_eq!(
-            found["verdict"], "too_short",
-            "{poses}: {}",
-            found["sentence"]
-        );
-        assert_eq!(found["steps"].as_array().unwrap().len(), 0);
+        assert_eq!(found["verdict"], "too_short", "{}", found["sentence"]);
+        assert_eq!(list(&found, "/steps").len(), 0);
         let text = folder.stdout("diagnose plain_humanoid.urdf --data log.csv");
         assert!(!text.contains("Keep this log"), "{text}");
-        says(
-            found["sentence"].as_str().unwrap(),
-            &["The log is too short"],
-        );
+        says(found["sentence"].to_string(), &["The log is too short"]);
     }
 }
 
@@ -528,102 +410,81 @@ fn a_virtual_base_needs_no_column_and_makes_no_argument() {
     folder.write("robot.urdf", VIRTUAL_BASE);
     folder.write("poses.csv", "pose,hip\n0,0.2\n1,-0.3\n");
     let on = "robot.urdf --support foot";
-    let poses = folder.run(&format!("predict {on} --data poses.csv"));
-    assert!(poses.status.success(), "{}", stderr(&poses));
     // Of the trunk alone: 0.75 (0.1 + 0.4) along the leg, and a quarter of the foot's CoM.
-    let rows = String::from_utf8(poses.stdout).unwrap();
-    for (row, hip) in rows.lines().skip(1).zip([0.2_f64, -0.3]) {
-        let found: Vec<f64> = row.split(',').map(|x| x.parse().unwrap()).collect();
-        let (x, z) = (0.0025 - 0.375 * hip.sin(), 0.0025 + 0.375 * hip.cos());
-        assert!(
-            (found[1] - x).abs() < 1e-12 && (found[3] - z).abs() < 1e-12,
-            "{row}"
-        );
+    let found = folder.json(&format!("predict {on} --data poses.csv"));
+    for (k, hip) in [0.2_f64, -0.3].into_iter().enumerate() {
+        let [x, z] = [0, 2].map(|axis| number(&found, &format!("/com_m/{k}/{axis}")));
+        assert!((x - 0.0025 + 0.375 * hip.sin()).abs() < 1e-12, "{x}");
+        assert!((z - 0.0025 - 0.375 * hip.cos()).abs() < 1e-12, "{z}");
     }
-    let seen = folder.run(&format!("inspect {on}"));
     let dropped = "`base_x`, `base_z`, `base_pitch` dropped: nothing beyond them has mass";
-    says(stderr(&seen), &[dropped]);
+    says(folder.said(&format!("inspect {on}")), &[dropped]);
     assert_eq!(folder.json(&format!("inspect {on}"))["dof"], 1);
-    assert_eq!(
-        folder.json(&format!("verify {on} --samples 100"))["pass"],
-        true
-    );
-    said(
-        &folder,
-        &format!("generate {on} --lang c --name vb --out src"),
-    );
+    let verified = folder.json(&format!("verify {on} --samples 100"));
+    assert_eq!(verified["pass"], true);
+    folder.said(&format!("generate {on} --lang c --name vb --out src"));
     says(folder.read("src/vb.h"), &["vb_DOF 1"]);
-    said(
-        &folder,
-        &format!("simulate {on} --poses 60 --noise 0.0005 --seed 1 --out log.csv"),
-    );
-    assert!(folder.read("log.csv").starts_with("pose,hip,cop_x"));
+    let log = "--poses 60 --noise 0.0005 --seed 1 --out log.csv";
+    folder.said(&format!("simulate {on} {log}"));
+    let log = folder.sheet("log.csv");
+    assert_eq!(log.names[..3], ["pose", "hip", "cop_x"]);
+    let read = |robot: &str| {
+        let fit = folder.json(&format!("fit {robot} --data log.csv"));
+        assert_eq!(fit["postures"], 60);
+        let found = folder.json(&format!("diagnose {robot} --data log.csv"));
+        assert_eq!(found["verdict"], "none");
+    };
     // The support by option, by sidecar, by a column.
-    let log = folder.read("log.csv");
     folder.write("log.csv.toml", "");
-    assert_eq!(
-        folder.json(&format!("fit {on} --data log.csv"))["postures"],
-        60
-    );
-    assert_eq!(
-        folder.json(&format!("diagnose {on} --data log.csv"))["verdict"],
-        "none"
-    );
+    read(on);
     folder.write("log.csv.toml", "support = \"foot\"\n");
-    assert_eq!(folder.json("fit robot.urdf --data log.csv")["postures"], 60);
+    read("robot.urdf");
     folder.write("log.csv.toml", "");
     let with = |support: &str| {
-        let rows = log.lines().skip(1).map(|row| format!("{support},{row}\n"));
-        let head = log.lines().next().unwrap();
-        format!("support,{head}\n{}", rows.collect::<String>())
+        let mut log = log.clone();
+        log.add("support", |_| support.to_string());
+        log
     };
-    folder.write("log.csv", with("foot"));
-    assert_eq!(folder.json("fit robot.urdf --data log.csv")["postures"], 60);
-    assert_eq!(
-        folder.json("diagnose robot.urdf --data log.csv")["verdict"],
-        "none"
-    );
+    folder.write("log.csv", with("foot").to_string());
+    read("robot.urdf");
     // Who stands on the base itself, as an arm on its rail, has all joints.
     assert_eq!(folder.json("inspect robot.urdf --support world")["dof"], 4);
-    let refused = folder.run("predict robot.urdf --support world --data poses.csv");
-    says(
-        stderr(&refused),
-        &["no column for joint `base_x`, `base_z`, `base_pitch`"],
+    folder.refuses_each(
+        "predict robot.urdf --support world --data poses.csv
+            | no column for joint `base_x`, `base_z`, `base_pitch`",
     );
-    folder.write("log.csv", with("world"));
+    folder.write("log.csv", with("world").to_string());
     for command in ["predict", "fit", "diagnose"] {
-        let refused = folder.run(&format!("{command} robot.urdf --data log.csv"));
-        assert_eq!(refused.status.code(), Some(2), "{command}");
-        says(stderr(&refused), &["no column for joint `base_x`"]);
+        let line = format!("{command} robot.urdf --data log.csv");
+        folder.refuses(&line, &["no column for joint `base_x`"]);
     }
-    let mixed = with("foot") + &with("world").lines().skip(1).collect::<Vec<_>>().join("\n");
-    folder.write("log.csv", mixed);
+    let mut mixed = with("foot");
+    mixed.rows.extend(with("world").rows);
+    folder.write("log.csv", mixed.to_string());
     for command in ["predict", "fit"] {
-        let refused = folder.run(&format!("{command} robot.urdf --data log.csv"));
-        assert_eq!(refused.status.code(), Some(2), "{command}");
-        says(stderr(&refused), &["stand on `world`", "--support"]);
+        let line = format!("{command} robot.urdf --data log.csv");
+        folder.refuses(&line, &["stand on `world`", "--support"]);
     }
-    folder.write(
-        "rail.csv",
-        "support,base_x,base_z,base_pitch,hip\nworld,0.5,0,0,0.2\n",
-    );
-    let rail = folder.run("predict robot.urdf --data rail.csv");
-    assert!(rail.status.success(), "{}", stderr(&rail));
-    folder.write(
-        "rail.csv",
-        "pose,base_x,base_z,base_pitch,hip\n0,0.5,0,0,0.2\n",
-    );
+    let rail = "base_x,base_z,base_pitch,hip";
+    folder.write("rail.csv", format!("support,{rail}\nworld,0.5,0,0,0.2\n"));
+    folder.stdout("predict robot.urdf --data rail.csv");
+    folder.write("rail.csv", format!("pose,{rail}\n0,0.5,0,0,0.2\n"));
     folder.write("rail.csv.toml", "support = \"world\"\n");
-    let rail = folder.run("predict robot.urdf --data rail.csv");
-    assert!(rail.status.success(), "{}", stderr(&rail));
+    folder.stdout("predict robot.urdf --data rail.csv");
 }
 
-/// The findings about the data in an answer: kinds, and what is said of them.
-fn findings(answer: &Value) -> Vec<(String, String)> {
-    let text = |value: &Value| value.as_str().unwrap().to_string();
-    let all = answer["health"].as_array().unwrap().iter();
-    all.map(|f| (text(&f["kind"]), text(&f["sentence"])))
-        .collect()
+/// Whether the force of a log is a finding of both commands: nothing, or these words.
+fn force_is(folder: &Folder, line: &str, words: Option<&str>) {
+    for command in ["fit", "diagnose"] {
+        let found = folder.json(&format!("{command} {line}"));
+        match words {
+            None => assert_eq!(list(&found, "/health").len(), 0, "{}", found["health"]),
+            Some(words) => {
+                assert_eq!(found["health"][0]["kind"], "force_unlike_weight");
+                says(found["health"][0].to_string(), &[words]);
+            }
+        }
+    }
 }
 
 /// A total force that is not the weight is a question with the likely cause.
@@ -631,12 +492,10 @@ fn findings(answer: &Value) -> Vec<(String, String)> {
 fn a_total_force_that_is_not_the_weight_is_a_finding() {
     let folder = case("kgf_with_newton_metres");
     let simulate = "simulate op2.urdf --support r_sole --poses 60 --range 20 --noise 0.0005";
-    said(&folder, &format!("{simulate} --out s.csv"));
-    let text = folder.read("op2.urdf");
-    let read = sesc_reference::Robot::from_urdf(&text).unwrap();
+    folder.said(&format!("{simulate} --out s.csv"));
+    let read = sesc_reference::Robot::from_file(op2()).unwrap();
     let mass: f64 = read.links().iter().map(|link| link.mass_kg).sum();
     let weight = 9.80665 * mass;
-    let table = folder.read("s.csv");
     for (force, words) in [
         (weight, None),
         (-1.2 * weight, None),
@@ -645,23 +504,10 @@ fn a_total_force_that_is_not_the_weight_is_a_finding() {
         (0.5 * weight, Some("the other foot")),
         (37.0 * weight, Some("counts")),
     ] {
-        let mut rows = table.lines();
-        let head = rows.next().unwrap();
-        let rows: String = rows.map(|row| format!("{row},{force}\n")).collect();
-        folder.write("log.csv", format!("{head},fz\n{rows}"));
-        for command in ["fit", "diagnose"] {
-            let found = folder.json(&format!(
-                "{command} op2.urdf --data log.csv --support r_sole"
-            ));
-            let found = findings(&found);
-            match words {
-                None => assert_eq!(found, [], "{force}"),
-                Some(words) => {
-                    assert_eq!(found[0].0, "force_unlike_weight", "{found:?}");
-                    says(&found[0].1, &[words]);
-                }
-            }
-        }
+        let mut log = folder.sheet("s.csv");
+        log.add("fz", |_| force.to_string());
+        folder.write("log.csv", log.to_string());
+        force_is(&folder, "op2.urdf --data log.csv --support r_sole", words);
     }
 }
 
@@ -681,30 +527,18 @@ fn cells_and_recordings_that_do_not_carry_the_weight_are_a_finding() {
         })
     };
     let simulate = "simulate post.urdf --support sole --poses 60 --range 8 --noise 0.0005";
-    said(&folder, &format!("{simulate} --out s.csv"));
+    folder.said(&format!("{simulate} --out s.csv"));
     let weight = 7.8 * 9.80665;
     // Cells at the corners of a sheet of 0.4 m in place of the last two columns, the CoP.
     let corners = [[0.2, 0.2], [0.2, -0.2], [-0.2, -0.2], [-0.2, 0.2]];
-    let table = without_columns(&folder.read("s.csv"), "_std");
-    let mut cells = String::new();
-    for row in table.lines() {
-        let (rest, y) = row.rsplit_once(',').unwrap();
-        let (rest, x) = rest.rsplit_once(',').unwrap();
-        cells += rest;
-        match (x.parse::<f64>(), y.parse::<f64>()) {
-            (Ok(x), Ok(y)) => {
-                for [a, b] in corners {
-                    cells += &format!(",{}", 0.25 * weight * (1.0 + x / a) * (1.0 + y / b));
-                }
-            }
-            _ => {
-                assert_eq!((x, y), ("cop_x", "cop_y"));
-                cells += ",fsr_1,fsr_2,fsr_3,fsr_4";
-            }
-        }
-        cells += "\n";
+    let mut table = folder.sheet("s.csv");
+    let cop = table.cop();
+    table.keep(|name| !name.starts_with("cop_"));
+    for (cell, [a, b]) in corners.into_iter().enumerate() {
+        let load = |[x, y]: [f64; 2]| 0.25 * weight * (1.0 + x / a) * (1.0 + y / b);
+        table.add(&format!("fsr_{}", cell + 1), |k| load(cop[k]).to_string());
     }
-    folder.write("cells.csv", cells);
+    folder.write("cells.csv", table.to_string());
     let side = format!("support = \"sole\"\ncells = {corners:?}\n");
     folder.write("cells.csv.toml", side);
     for (factor, words) in [
@@ -714,17 +548,7 @@ fn cells_and_recordings_that_do_not_carry_the_weight_are_a_finding() {
     ] {
         folder.write("post.urdf", weighs(factor));
         for log in ["cells.csv", "log.mcap"] {
-            for command in ["fit", "diagnose"] {
-                let found = folder.json(&format!("{command} post.urdf --data {log}"));
-                let found = findings(&found);
-                match words {
-                    None => assert_eq!(found, [], "{log}"),
-                    Some(words) => {
-                        assert_eq!(found[0].0, "force_unlike_weight", "{log}: {found:?}");
-                        says(&found[0].1, &[words]);
-                    }
-                }
-            }
+            force_is(&folder, &format!("post.urdf --data {log}"), words);
         }
     }
 }
@@ -739,10 +563,12 @@ fn a_log_beyond_the_sole_is_a_finding() {
     folder.write("op2.urdf", text.replace("<link name=\"r_sole\"/>", shape));
     for command in ["fit", "diagnose"] {
         let answer = folder.json(&format!("{command} op2.urdf --data log.csv"));
-        let found = findings(&answer);
-        let beyond = found.iter().find(|(kind, _)| kind == "cop_outside_sole");
-        let (_, sentence) = beyond.unwrap_or_else(|| panic!("{command}: {found:?}"));
-        says(sentence, &["beyond the sole", "another unit"]);
+        let mut found = list(&answer, "/health").iter();
+        let beyond = found.find(|found| found["kind"] == "cop_outside_sole");
+        says(
+            beyond.unwrap().to_string(),
+            &["beyond the sole", "another unit"],
+        );
     }
 }
 
@@ -752,23 +578,18 @@ fn warnings_stand_in_json_and_on_the_page_once() {
     let folder = case("two_publishers_zeros");
     for command in ["fit", "diagnose"] {
         let line = format!("{command} post.urdf --data zeros_at_4_hz.mcap");
-        let stderr = said(&folder, &format!("{line} --report page.html"));
-        let told: Vec<&str> = stderr
+        let stderr = folder.said(&format!("{line} --report page.html"));
+        let told = stderr
             .lines()
-            .filter_map(|line| line.strip_prefix("warning: "))
-            .collect();
+            .filter_map(|line| line.strip_prefix("warning: "));
+        let told: Vec<&str> = told.collect();
         assert!(!told.is_empty(), "{stderr}");
         let answer = folder.json(&line);
-        let warnings: Vec<&str> = answer["warnings"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|w| w.as_str().unwrap())
-            .collect();
+        let warnings = texts(&answer, "/warnings");
         let page = folder.read("page.html");
         for warning in told {
-            let count = |all: &[&str]| all.iter().filter(|other| **other == warning).count();
-            assert_eq!(count(&warnings), 1, "{warning}: {warnings:?}");
+            let same = warnings.iter().filter(|other| **other == warning);
+            assert_eq!(same.count(), 1, "{warning}: {warnings:?}");
             let start = warning.split(['`', '<', '\'', '&']).next().unwrap();
             assert_eq!(page.matches(start).count(), 1, "{start}");
         }
@@ -779,44 +600,23 @@ fn warnings_stand_in_json_and_on_the_page_once() {
 #[test]
 fn absurd_readings_are_refused_by_every_command() {
     let folder = case("numpy_savetxt");
-    let table = folder.read("default.csv");
-    let far = |times: f64| {
-        let mut rows = table.lines();
-        let head: Vec<&str> = rows.next().unwrap().split(',').collect();
-        let is_cop: Vec<bool> = head.iter().map(|name| name.starts_with("cop_")).collect();
-        let row = |row: &str| {
-            let fields = row.split(',').zip(&is_cop);
-            let fields = fields.map(|(field, is_cop)| match is_cop {
-                true => (times * field.parse::<f64>().unwrap() + times).to_string(),
-                false => field.to_string(),
-            });
-            fields.collect::<Vec<String>>().join(",") + "\n"
-        };
-        format!("{}\n{}", head.join(","), rows.map(row).collect::<String>())
-    };
-    folder.write("far.csv", far(1e8));
+    let mut far = folder.sheet("default.csv");
+    for name in ["cop_x", "cop_y"] {
+        for (row, x) in far.numbers(&[name]).concat().iter().enumerate() {
+            far.set(name, Some(row), &(1e8 * x + 1e8).to_string());
+        }
+    }
+    folder.write("far.csv", far.to_string());
     folder.write("far.csv.toml", folder.read("default.csv.toml"));
     for line in [
         "fit post.urdf --data far.csv",
         "diagnose post.urdf --data far.csv",
         "compare default.csv far.csv --urdf post.urdf",
     ] {
-        let refused = folder.run(line);
-        assert_eq!(
-            refused.status.code(),
-            Some(2),
-            "{line}: {}",
-            stderr(&refused)
-        );
-        says(
-            stderr(&refused),
-            &["far.csv", "m from the origin of the sole"],
-        );
+        folder.refuses(line, &["far.csv", "m from the origin of the sole"]);
     }
-    let fleet = folder.run("fleet post.urdf --data far.csv --support foot --out f.csv --json");
-    let fleet: Value = serde_json::from_slice(&fleet.stdout).unwrap();
-    says(
-        fleet["failed"][0]["error"].as_str().unwrap(),
-        &["m from the origin of the sole"],
-    );
+    let fleet = "fleet post.urdf --data far.csv --support foot --out f.csv --json";
+    let fleet = json(&folder.run(fleet));
+    let error = fleet["failed"][0]["error"].to_string();
+    says(error, &["m from the origin of the sole"]);
 }

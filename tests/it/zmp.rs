@@ -72,6 +72,8 @@ fn a_bow_is_its_closed_form() {
     for (q, rates, gains) in [
         ([0.0, 0.0], [0.0, 0.0], [0.0, 0.0]),
         ([0.0, 0.0], [0.0, 0.0], [1.0, 0.0]),
+        // A trunk that is thrown forward pushes the ground back.
+        ([0.0, 0.0], [0.0, 0.0], [0.0, 1.0]),
         ([0.1, 0.6], [0.0, 0.8], [0.0, -2.0]),
         ([-0.2, 1.1], [0.7, -1.5], [3.0, 2.0]),
         ([0.3, -0.9], [-2.0, 3.0], [-4.0, 9.0]),
@@ -81,24 +83,6 @@ fn a_bow_is_its_closed_form() {
         assert!((x - expected).abs() < 1e-14, "{q:?}: {x} {expected}");
         assert_eq!(y, 0.0, "{q:?}");
     }
-}
-
-/// A trunk that is thrown forward pushes the ground back: 0.04 kg m² of its own inertia and
-/// 5 kg at the end of an arm of 0.2 m, 0.7 m above the ground.
-#[test]
-fn a_trunk_thrown_forward_moves_the_zmp_back() {
-    let model = model(BOW, "foot");
-    let [x, _] = zmp(
-        &model,
-        &[0.0; 2],
-        &[0.0; 2],
-        &[0.0, 1.0],
-        &model.cad_params(),
-    );
-    let standing = 0.02 / 9.0;
-    let expected = standing - (5.0 * 0.2 * 0.7 + 0.15) / (9.0 * G);
-    assert!((x - expected).abs() < 1e-15, "{x} {expected}");
-    assert!(x < standing - 9e-3);
 }
 
 /// A box that falls along a slanted rail as fast as free bodies do: there is no ZMP, and no
@@ -147,12 +131,8 @@ fn parameters_enter_by_the_com_and_its_acceleration() {
             let at = |t: f64| -> Vec<f64> {
                 let moves = joints.rates.iter().zip(&joints.accelerations);
                 let moved = q.iter().zip(moves);
-                com.run(
-                    &moved
-                        .map(|(q, (v, a))| q + t * (v + 0.5 * t * a))
-                        .collect::<Vec<_>>(),
-                    1,
-                )
+                let moved = moved.map(|(q, (v, a))| q + t * (v + 0.5 * t * a));
+                com.run(&moved.collect::<Vec<_>>(), 1)
             };
             let path: Vec<Vec<f64>> = (-3..=3).map(|k| at(f64::from(k) * STEP)).collect();
             let weights = [2.0, -27.0, 270.0, -490.0, 270.0, -27.0, 2.0];
@@ -187,12 +167,6 @@ fn a_pendulum_costs_what_its_equation_does() {
         .program(Function::Zmp, Given::Positions)
         .unwrap();
     let counts = program.counts();
-    let all = [
-        counts.mul,
-        counts.add,
-        counts.sin_cos,
-        counts.angle,
-        counts.other,
-    ];
-    assert_eq!(all, [27, 16, 1, 0, 1]);
+    assert_eq!([counts.mul, counts.add], [27, 16]);
+    assert_eq!([counts.sin_cos, counts.angle, counts.other], [1, 0, 1]);
 }

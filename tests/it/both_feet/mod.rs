@@ -5,22 +5,23 @@
 
 mod planned;
 
-use std::sync::Arc;
-
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_identify::diagnose::Diagnosis;
-use sesc_identify::diagnose::{self, Verdict};
-use sesc_identify::fit::{self, Identification};
+use sesc_identify::diagnose::{self, Diagnosis, Verdict};
+use sesc_identify::fit::Identification;
 use sesc_identify::health::Kind;
-use sesc_identify::logs::{LogSource, Sidecar, Table};
+use sesc_identify::logs::{LogSource, Sidecar};
 use sesc_identify::predict;
-use sesc_identify::robot::{Robot, Stance};
+use sesc_identify::robot::Stance;
 use sesc_identify::{Message, Progress, Watch};
 use sesc_model::ModelFile;
 use sesc_reference::World;
-use sesc_test_support::feet::{Noise, TwoFootLog};
+use sesc_test_support::command::says;
+use sesc_test_support::feet::{Noise, record};
+use sesc_test_support::recording::Recording;
 use sesc_test_support::stage::{Platform, Stage};
+
+use crate::asked::{self, fit_request, is_listed, lists, robot};
 
 /// Encoders to a third of a tick, a CoP that shows little, soles and floor flat to 0.08°.
 const COARSE: Noise = Noise {
@@ -51,17 +52,24 @@ fn seeds(usual: u64) -> u64 {
 
 /// A log of `stage` on both feet.
 fn log(stage: &Stage, world: &World, noise: Noise, seed: u64) -> LogSource {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let log = TwoFootLog::take(stage, world, POSTURES, noise, &mut random);
-    let columns = log.columns().into_iter();
-    let table = columns.fold(Table::new("two_feet.csv"), |table, (name, values)| {
-        table.numbers(&name, values)
-    });
-    LogSource::from(table).with_sidecar(Sidecar {
-        support: Some(stage.support.to_string()),
-        both_feet: Some(true),
+    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    on_soles(record(stage, world, POSTURES, noise, random), Some(true))
+}
+
+/// A log of the OP2 whose sidecar says whether it is of both feet.
+fn on_soles(log: Recording, both_feet: Option<bool>) -> LogSource {
+    LogSource::from(log.table(false)).with_sidecar(Sidecar {
+        support: Some("r_sole".to_string()),
+        both_feet,
         ..Sidecar::default()
     })
+}
+
+/// Postures of one foot, without noise.
+fn on_one_foot(stage: &Stage) -> Recording {
+    let random = &mut ChaCha8Rng::seed_from_u64(7);
+    let q = stage.balanced(POSTURES, random);
+    Recording::still(stage, &stage.world(), q, 0.0, random)
 }
 
 /// Keeps warnings.
@@ -79,31 +87,19 @@ impl Watch for Heard {
 }
 
 fn request(stage: &Stage, world: &World, noise: Noise, seed: u64) -> diagnose::Request {
-    let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
-    let mut request = diagnose::Request::new(robot, log(stage, world, noise, seed));
+    let mut request = asked::request(stage, log(stage, world, noise, seed));
     request.noise = Some(noise.cop_m);
     request
 }
 
 fn diagnosed(stage: &Stage, world: &World, noise: Noise, seed: u64) -> Diagnosis {
-    let request = request(stage, world, noise, seed);
-    diagnose::diagnose(&request, &mut ()).unwrap().diagnosis
+    asked::diagnosed(&request(stage, world, noise, seed))
 }
 
 fn fitted(stage: &Stage, world: &World, noise: Noise, seed: u64) -> Identification {
-    let mut request = fit::Request::default();
-    request.robot = Some(Arc::new(Robot::read(&stage.urdf).unwrap()));
-    request.logs = vec![log(stage, world, noise, seed)];
+    let mut request = fit_request(stage, log(stage, world, noise, seed));
     request.noise = Some(noise.cop_m);
-    fit::fit(&request, &mut ()).unwrap().identification
-}
-
-/// Whether an explanation of the class is the truth.
-fn holds(found: &Diagnosis, truth: &[&str]) -> bool {
-    let same = |all: &Vec<String>| {
-        all.len() == truth.len() && truth.iter().all(|one| all.iter().any(|x| x == one))
-    };
-    found.indistinguishable.iter().any(same)
+    asked::fitted(&request)
 }
 
 /// 1.5° or −1° on each joint of either leg, with noise of 5 mm, where a CoP alone shows next
@@ -119,35 +115,21 @@ fn an_offset_of_a_leg_is_named_from_the_soles_where_the_cop_is_noise() {
         }
         for side in ["l", "r"] {
             let joint = format!("{side}_{joint}");
-            let (mut own_named, mut own_held) = (0, 0);
             for seed in 0..seeds(1) {
-                let degrees: f64 = if (seed + at as u64).is_multiple_of(2) {
-                    1.5
-                } else {
-                    -1.0
-                };
+                let degrees = [1.5_f64, -1.0][(seed as usize + at) % 2];
                 let world = stage.world();
                 let world = world.joint_offset(&joint, degrees.to_radians()).unwrap();
                 let found = diagnosed(&stage, &world, COARSE, 1000 * at as u64 + seed);
-                own_named += u64::from(found.verdict == Verdict::Named);
+                named += u64::from(found.verdict == Verdict::Named);
                 let truth = format!("joint_offset:{joint}");
-                own_held += u64::from(holds(&found, &[&truth]));
-                if !holds(&found, &[&truth]) {
-                    println!("{joint} {degrees} {seed}: {:?}", found.indistinguishable);
-                }
+                held += u64::from(is_listed(&found, &[&truth]));
                 all += 1;
                 let closure = found.closure.unwrap();
-                assert!(
-                    closure.closes && closure.postures == POSTURES,
-                    "{closure:?}"
-                );
+                assert!(closure.closes, "{closure:?}");
+                assert_eq!(closure.postures, POSTURES);
             }
-            println!("{joint}: {own_named} named, {own_held} hold the truth");
-            named += own_named;
-            held += own_held;
         }
     }
-    println!("{named} named, {held} hold the truth, of {all}");
     assert!(held * 100 >= all * 95, "{held} of {all}");
     assert!(named * 100 >= all * 50, "{named} of {all}");
 }
@@ -162,12 +144,8 @@ fn nothing_hidden_is_nothing_found() {
             let quiet = matches!(found.verdict, Verdict::None | Verdict::Absorbed);
             let fit = fitted(&stage, &stage.world(), noise, 100 + seed);
             let closes = fit.closure.is_some_and(|closure| closure.closes);
-            if !quiet || !closes {
-                println!("{seed}: {}", found.sentence);
-            }
             alarms += u64::from(!quiet || !closes);
         }
-        println!("{noise:?}: {alarms} false alarms of {n}");
         assert!(alarms * 100 <= n, "{alarms} of {n}");
     }
 }
@@ -181,8 +159,7 @@ fn a_slope_of_the_floor_is_no_offset() {
         let slope = [0.0, 0.026];
         let world = stage.world().ground_slope(slope).unwrap();
         let found = diagnosed(&stage, &world, FINE, 300 + seed);
-        println!("{seed}: {:?} {:?}", found.verdict, found.indistinguishable);
-        assert!(holds(&found, &["ground_slope"]), "{}", found.sentence);
+        lists(&found, &["ground_slope"]);
         let before = found.closure.as_ref().unwrap().before;
         assert!(before.roll_rad.max(before.pitch_rad) < 6e-3, "{before:?}");
         let bends = |effect: &String| effect.contains("joint_") || effect.contains("backlash");
@@ -191,13 +168,8 @@ fn a_slope_of_the_floor_is_no_offset() {
         // On one foot the same readings do not tell.
         let mut request = request(&stage, &world, FINE, 300 + seed);
         request.feet.both = Some(false);
-        let alone = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
-        println!("   on one foot {:?}", alone.indistinguishable);
-        assert!(
-            alone.indistinguishable.iter().flatten().any(bends),
-            "{}",
-            alone.sentence
-        );
+        let alone = asked::diagnosed(&request).indistinguishable;
+        assert!(alone.iter().flatten().any(bends), "{alone:?}");
     }
 }
 
@@ -209,10 +181,9 @@ fn a_slope_and_an_offset_are_told_apart() {
         let world = stage.world().ground_slope([0.02, 0.026]).unwrap();
         let world = world.joint_offset("r_ank_roll", 0.03).unwrap();
         let found = diagnosed(&stage, &world, FINE, 400 + seed);
-        println!("{seed}: {:?} {:?}", found.verdict, found.indistinguishable);
-        held += u64::from(holds(&found, &["joint_offset:r_ank_roll", "ground_slope"]));
+        let both = ["joint_offset:r_ank_roll", "ground_slope"];
+        held += u64::from(is_listed(&found, &both));
     }
-    println!("{held} of {n}");
     assert!(held * 4 >= n * 3, "{held} of {n}");
 }
 
@@ -220,26 +191,14 @@ fn a_slope_and_an_offset_are_told_apart() {
 #[test]
 fn a_fit_warns_of_offsets_that_bend_the_legs() {
     let stage = Stage::new(Platform::Op2);
-    for (seed, joint) in ["l_knee", "l_ank_roll", "r_hip_pitch"]
-        .into_iter()
-        .enumerate()
-    {
+    let joints = ["l_knee", "l_ank_roll", "r_hip_pitch"].into_iter();
+    for (seed, joint) in joints.enumerate() {
         let world = stage.world().joint_offset(joint, 0.026).unwrap();
         let found = fitted(&stage, &world, COARSE, 500 + seed as u64);
         let closure = found.closure.clone().unwrap();
         assert!(!closure.closes, "{closure:?}");
-        let joints: Vec<&str> = closure
-            .explained_by
-            .iter()
-            .map(|o| o.joint.as_str())
-            .collect();
-        println!("{joint}: {joints:?}; {}", closure.sentence);
-        assert!(joints.contains(&joint), "{joint}: {closure:?}");
-        let own = closure
-            .explained_by
-            .iter()
-            .find(|o| o.joint == joint)
-            .unwrap();
+        let own = closure.explained_by.iter().find(|o| o.joint == joint);
+        let own = own.unwrap_or_else(|| panic!("{joint}: {closure:?}"));
         let off = own.offset_rad.unwrap() - 0.026;
         assert!(off.abs() < 4.0 * own.std, "{own:?}");
         assert!(found.misses_something());
@@ -252,40 +211,22 @@ fn a_fit_warns_of_offsets_that_bend_the_legs() {
 #[test]
 fn feet_that_are_not_on_one_floor_are_said_to_be_elsewhere() {
     let stage = Stage::new(Platform::Op2);
-    let mut random = ChaCha8Rng::seed_from_u64(7);
-    let postures = stage.balanced(POSTURES, &mut random);
-    let world = stage.world();
-    let mut table = Table::new("one_foot.csv");
-    for (j, joint) in stage.joint_names().iter().enumerate() {
-        let column: Vec<f64> = postures.iter().map(|q| q[j]).collect();
-        table = table.numbers(joint, column);
-    }
-    for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
-        let column: Vec<f64> = postures.iter().map(|q| world.cop(q)[axis]).collect();
-        table = table.numbers(name, column);
-    }
-    let log = LogSource::from(table).with_sidecar(Sidecar {
-        support: Some("r_sole".into()),
+    let log = LogSource::from(on_one_foot(&stage).table(false)).with_sidecar(Sidecar {
         other_foot: Some("l_sole".into()),
         ..Sidecar::default()
     });
-    let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
-    let mut request = diagnose::Request::new(robot, log);
+    let mut request = asked::request(&stage, log);
     request.noise = Some(5e-4);
     let mut heard = Heard::default();
     let found = diagnose::diagnose(&request, &mut heard).unwrap().diagnosis;
     assert_eq!(found.verdict, Verdict::Unexplained);
-    let warned = |said: &String| said.contains("check that both soles are flat on one floor");
-    assert!(heard.0.iter().any(warned), "{:?}", heard.0);
-    let said = &found.sentence;
-    assert!(
-        said.contains("check that both soles are flat on one floor"),
-        "{said}"
-    );
+    let words = ["check that both soles are flat on one floor"];
+    says(heard.0.join("\n"), &words);
+    says(found.sentence, &words);
     // Without it, the log is what it is.
     request.feet.both = Some(false);
-    let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
-    assert_eq!(found.verdict, Verdict::None, "{}", found.sentence);
+    let found = asked::diagnosed(&request);
+    assert_eq!(found.verdict, Verdict::None);
     assert_eq!(found.closure, None);
 }
 
@@ -293,38 +234,19 @@ fn feet_that_are_not_on_one_floor_are_said_to_be_elsewhere() {
 #[test]
 fn soles_that_are_flat_though_nobody_said_so_are_a_finding() {
     let stage = Stage::new(Platform::Op2);
-    let robot = Arc::new(Robot::read(&stage.urdf).unwrap());
-    let kinds = |log: LogSource, both: Option<bool>| -> Vec<(String, String)> {
-        let log = log.with_sidecar(Sidecar {
-            support: Some("r_sole".into()),
-            both_feet: both,
-            ..Sidecar::default()
-        });
-        let mut request = diagnose::Request::new(Arc::clone(&robot), log);
+    let flat = |log: LogSource| -> Vec<String> {
+        let mut request = asked::request(&stage, log);
         request.noise = Some(5e-4);
         let health = diagnose::look(&request, &mut ()).unwrap();
-        let name = |kind: Kind| kind.name().to_string();
-        let health = health.into_iter().filter(|f| f.kind == Kind::BothFeetFlat);
-        health.map(|f| (name(f.kind), f.target)).collect()
+        let flat = health.into_iter().filter(|f| f.kind == Kind::BothFeetFlat);
+        flat.map(|f| f.target).collect()
     };
-    let flat = [("both_feet_flat".to_string(), "l_sole".to_string())];
-    let on_both = || log(&stage, &stage.world(), FINE, 9);
-    assert_eq!(kinds(on_both(), None), flat);
-    assert_eq!(kinds(on_both(), Some(false)), []);
-    assert_eq!(kinds(on_both(), Some(true)), []);
-    let mut random = ChaCha8Rng::seed_from_u64(7);
-    let postures = stage.balanced(POSTURES, &mut random);
-    let world = stage.world();
-    let mut table = Table::new("one_foot.csv");
-    for (j, joint) in stage.joint_names().iter().enumerate() {
-        let column: Vec<f64> = postures.iter().map(|q| q[j]).collect();
-        table = table.numbers(joint, column);
-    }
-    for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
-        let column: Vec<f64> = postures.iter().map(|q| world.cop(q)[axis]).collect();
-        table = table.numbers(name, column);
-    }
-    assert_eq!(kinds(LogSource::from(table), None), []);
+    let random = || ChaCha8Rng::seed_from_u64(9);
+    let on_both = record(&stage, &stage.world(), POSTURES, FINE, &mut random());
+    assert_eq!(flat(on_soles(on_both.clone(), None)), ["l_sole"]);
+    assert_eq!(flat(on_soles(on_both.clone(), Some(false))), [""; 0]);
+    assert_eq!(flat(on_soles(on_both, Some(true))), [""; 0]);
+    assert_eq!(flat(on_soles(on_one_foot(&stage), None)), [""; 0]);
 }
 
 /// A prediction takes encoders at their word: it says where the soles do not close then, and not
@@ -334,33 +256,26 @@ fn a_prediction_warns_of_soles_that_do_not_close() {
     let stage = Stage::new(Platform::Op2);
     let world = stage.world().joint_offset("l_knee", 0.026).unwrap();
     let warned = |world: &World, file: Option<ModelFile>| {
-        let robot = Robot::read(&stage.urdf).unwrap();
-        let mut stance = Stance::new(robot).on("r_sole");
+        let mut stance = Stance::new(robot(&stage)).on("r_sole");
         if let Some(file) = file {
             stance = stance.with_parameters(file).unwrap();
         }
         let request = predict::Request::new(stance, log(&stage, world, FINE, 11));
         let mut heard = Heard::default();
         predict::predict(&request, &mut heard).unwrap();
-        heard.0
+        heard.0.join("\n")
     };
-    let open = warned(&world, None);
-    assert!(
-        open.iter()
-            .any(|said| said.contains("By CAD the sole of l_sole") && said.contains("l_knee")),
-        "{open:?}"
+    says(
+        warned(&world, None),
+        &["By CAD the sole of l_sole", "l_knee"],
     );
-    assert_eq!(warned(&stage.world(), None), [""; 0]);
+    assert_eq!(warned(&stage.world(), None), "");
     let request = request(&stage, &world, FINE, 11);
     let found = diagnose::diagnose(&request, &mut ()).unwrap();
-    assert_eq!(warned(&world, Some(found.model_file.clone())), [""; 0]);
+    assert_eq!(warned(&world, Some(found.model_file.clone())), "");
     // The other way round the file is what opens them.
     let open = warned(&stage.world(), Some(found.model_file));
-    assert!(
-        open.iter()
-            .any(|said| said.contains("By the model file the sole of l_sole")),
-        "{open:?}"
-    );
+    says(open, &["By the model file the sole of l_sole"]);
 }
 
 /// The CoP of the right foot alone, which stays under it while the CoM moves away.
@@ -370,21 +285,10 @@ fn the_cop_of_one_foot_alone_is_warned_of() {
     let mut request = request(&stage, &stage.world(), FINE, 9);
     let mut heard = Heard::default();
     diagnose::diagnose(&request, &mut heard).unwrap();
-    assert!(
-        heard.0.iter().all(|said| !said.contains("one foot")),
-        "{:?}",
-        heard.0
-    );
+    let said = heard.0.join("\n");
+    assert!(!said.contains("one foot"), "{said}");
     let alone = stage.world().sensor_gain([0.1, 0.1]);
     request.log = log(&stage, &alone, FINE, 9);
     diagnose::diagnose(&request, &mut heard).unwrap();
-    let said = heard
-        .0
-        .iter()
-        .find(|said| said.contains("like those of one foot"));
-    assert!(
-        said.is_some_and(|said| said.contains("`l_sole`")),
-        "{:?}",
-        heard.0
-    );
+    says(heard.0.join("\n"), &["`l_sole`, like those of one foot"]);
 }

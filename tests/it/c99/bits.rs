@@ -44,11 +44,8 @@ fn compiled_c_has_the_bits_of_rust_and_stays_within_its_bounds() {
         case.take_values(|k, x| x * 1.1 + 0.001 * (k % 3) as f64);
     }
     let trees = cases.len();
-    let seeds = if few {
-        (0..8).step_by(2)
-    } else {
-        (0..12).step_by(1)
-    };
+    let (count, step) = if few { (8, 2) } else { (12, 1) };
+    let seeds = (0..count).step_by(step);
     cases.extend(seeds.map(|k| Case::random(700 + k, 3 + 2 * k as usize)));
     // Effects of two links, whose C takes a compiler seconds; several compilers take the OP2's, too.
     let bodies = Case::bodies().into_iter();
@@ -59,15 +56,13 @@ fn compiled_c_has_the_bits_of_rust_and_stays_within_its_bounds() {
     let mut jobs = Vec::new();
     for (k, case) in cases.iter().enumerate() {
         for &scalar in case.scalars() {
-            let build = (k * SCALARS.len() + scalar as usize) % (COMPILERS.len() * LEVELS.len());
+            let builds = COMPILERS.len() * LEVELS.len();
+            let build = (k * SCALARS.len() + scalar as usize) % builds;
             // Every build for one robot: the OP2 by several compilers, two links by one.
-            let chosen = if few {
-                case.model.dof() == 2 && k < trees
-            } else {
-                k == 0
-            };
+            let is_small = case.model.dof() == 2 && k < trees;
+            let chosen = if few { is_small } else { k == 0 };
             let builds = match chosen && scalar != Scalar::Fixed32 {
-                true => (0..COMPILERS.len() * LEVELS.len()).collect(),
+                true => (0..builds).collect(),
                 false => vec![build],
             };
             jobs.push((case, scalar, builds, k < smooth));
@@ -75,7 +70,6 @@ fn compiled_c_has_the_bits_of_rust_and_stays_within_its_bounds() {
     }
     parallel(jobs, |(case, scalar, builds, is_smooth)| {
         let entries = case.entries(scalar);
-        let entries: Vec<&Entry> = entries.iter().collect();
         for (n, build) in builds.into_iter().enumerate() {
             let compiler = COMPILERS[build % COMPILERS.len()];
             let level = LEVELS[build / COMPILERS.len()];
@@ -83,20 +77,8 @@ fn compiled_c_has_the_bits_of_rust_and_stays_within_its_bounds() {
                 Scalar::Fixed32 => trapping(&folder, case),
                 _ => Compiled::plain(&folder, case, scalar, compiler, level),
             };
-            if scalar != Scalar::Fixed32 {
-                let drawn = draw(case, POSTURES, 5, &*compiled.hold());
-                let found = compiled.run(case, &entries, &drawn);
-                for (entry, found) in entries.iter().zip(&found) {
-                    let name =
-                        format!("{}_{} {scalar:?} {compiler} {level}", case.name, entry.name);
-                    same(
-                        &name,
-                        found,
-                        &rust(case, scalar, entry, &drawn),
-                        entry.given.is_some(),
-                    );
-                }
-            }
+            let drawn = draw(case, POSTURES, 5, &*compiled.hold());
+            has_the_bits_of_rust(case, scalar, &compiled, &entries, &drawn);
             if is_smooth && n == 0 {
                 bounded(case, scalar, &compiled, &entries);
             }
@@ -104,8 +86,28 @@ fn compiled_c_has_the_bits_of_rust_and_stays_within_its_bounds() {
     });
 }
 
+/// In floats compiled C gives the bits of Rust; integers, which Rust does not have, are not stopped.
+pub fn has_the_bits_of_rust(
+    case: &Case,
+    scalar: Scalar,
+    compiled: &Compiled,
+    entries: &[Entry],
+    drawn: &Draw,
+) {
+    let found = compiled.run(case, entries, drawn);
+    let floats = entries
+        .iter()
+        .zip(&found)
+        .filter(|_| scalar != Scalar::Fixed32);
+    for (entry, found) in floats {
+        let name = format!("{}_{} {scalar:?}", case.name, entry.name);
+        let rust = rust(case, scalar, entry, drawn);
+        same(&name, found, &rust, entry.given.is_some());
+    }
+}
+
 /// The same bits; a result of ticks has none to be compared with.
-pub fn same(name: &str, found: &[f64], expected: &[f64], all: bool) {
+fn same(name: &str, found: &[f64], expected: &[f64], all: bool) {
     assert!(!all || found.len() == expected.len(), "{name}");
     for (k, (a, b)) in found.iter().zip(expected).enumerate() {
         let same = a.to_bits() == b.to_bits() || (*a == 0.0 && *b == 0.0);
@@ -116,17 +118,13 @@ pub fn same(name: &str, found: &[f64], expected: &[f64], all: bool) {
 }
 
 /// No bound is exceeded; and one far above what is measured would prove nothing.
-pub fn bounded(case: &Case, scalar: Scalar, compiled: &Compiled, entries: &[&Entry]) {
+pub fn bounded(case: &Case, scalar: Scalar, compiled: &Compiled, entries: &[Entry]) {
     if scalar == Scalar::F64 {
         let drawn = draw(case, IN_PAIRS, 29, &*compiled.hold());
         for (entry, found) in entries.iter().zip(&compiled.run(case, entries, &drawn)) {
             let (measured, proven) = (in_pairs(case, entry, &drawn, found), compiled.bound(entry));
-            assert!(
-                measured <= proven,
-                "{}_{}: {measured:e} of {proven:e}",
-                case.name,
-                entry.name
-            );
+            let name = format!("{}_{}", case.name, entry.name);
+            assert!(measured <= proven, "{name}: {measured:e} of {proven:e}");
         }
         return;
     }
@@ -141,16 +139,13 @@ pub fn bounded(case: &Case, scalar: Scalar, compiled: &Compiled, entries: &[&Ent
             false => 2000.0,
         };
         // Where the header has no bound of use, it says what was seen.
-        assert!(
-            measured >= proven / loosest || proven.is_infinite(),
-            "{} {name}: {measured:e} of {proven:e}",
-            case.name
-        );
+        let tells = measured >= proven / loosest || proven.is_infinite();
+        assert!(tells, "{} {name}: {measured:e} of {proven:e}", case.name);
     }
 }
 
 /// What Rust computes; nothing for ticks, which Rust does not know.
-pub fn rust(case: &Case, scalar: Scalar, entry: &Entry, drawn: &Draw) -> Vec<f64> {
+fn rust(case: &Case, scalar: Scalar, entry: &Entry, drawn: &Draw) -> Vec<f64> {
     if entry.given.is_none() {
         return Vec::new();
     }

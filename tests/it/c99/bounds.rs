@@ -7,10 +7,11 @@
 use astro_float::{BigFloat, Consts, RoundingMode};
 use sesc_codegen::emit::c::Scalar;
 use sesc_model::bounds::Precision;
+use sesc_model::tree::Dof;
 use sesc_model::{Function, Given};
 
-use super::case::{Case, ROBOTS};
-use super::compiled::{Compiled, folder, parallel};
+use super::case::{Case, ROBOTS, Servo};
+use super::compiled::{Compiled, folder, parallel, row};
 use super::draw::{Draw, draw};
 use super::entry::Entry;
 use crate::COMPILERS;
@@ -20,10 +21,18 @@ use sesc_test_support::exact::{Double, Interpreter, Number};
 const MANY: usize = 100_000;
 
 /// Largest |a − b|; a NaN is larger than all.
-fn largest(a: &[f64], b: &[f64]) -> f64 {
+pub fn largest(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
     differences.fold(0.0, |most, x| if x.is_nan() || x > most { x } else { most })
+}
+
+/// The larger of two numbers, of which a NaN counts as infinite.
+pub fn larger(a: f64, b: f64) -> f64 {
+    match b.is_nan() {
+        true => f64::INFINITY,
+        false => a.max(b),
+    }
 }
 
 /// Each entry's error on `drawn`, held against the bound in the header.
@@ -32,7 +41,7 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
 pub fn check(
     case: &Case,
     compiled: &Compiled,
-    entries: &[&Entry],
+    entries: &[Entry],
     drawn: &Draw,
 ) -> Vec<(String, f64, f64)> {
     let found = compiled.run(case, entries, drawn);
@@ -42,24 +51,18 @@ pub fn check(
             None => &drawn.turned,
             Some(_) => &drawn.q,
         };
-        let exact = match entry.baked {
-            true => {
-                let r = case.model.params().repeat(drawn.q.len());
-                case.tape(entry.function, q, &r, drawn)
-            }
-            false => case.tape(entry.function, q, &drawn.r, drawn),
+        let r = match entry.baked {
+            true => &case.model.params().repeat(drawn.q.len()),
+            false => &drawn.r,
         };
-        let program = case
-            .model
-            .program(entry.function, Given::Positions)
-            .unwrap();
-        let own = case.model.rounding(&program, Precision::F64).worst;
+        let exact = case.tape(entry.function, q, r, drawn);
+        let program = case.model.program(entry.function, Given::Positions);
+        let own = case.model.rounding(&program.unwrap(), Precision::F64).worst;
         let (measured, proven) = (largest(found, &exact), compiled.bound(entry));
+        let name = format!("{}_{}", case.name, entry.name);
         assert!(
             measured <= proven + own,
-            "{}_{}: off by {measured:.2e}, proven {proven:.2e}",
-            case.name,
-            entry.name
+            "{name}: {measured:.2e} of {proven:.2e}"
         );
         rows.push((entry.name.clone(), measured, proven));
     }
@@ -71,9 +74,8 @@ pub fn check(
 fn the_op2s_com_is_proven_to_three_micrometres_and_measured_to_half_of_one() {
     let folder = folder("many");
     let case = Case::robot("op2", "r_sole");
-    let entries = case.entries(Scalar::F64);
-    let of_com = |entry: &&Entry| entry.function == Function::Com;
-    let entries: Vec<&Entry> = entries.iter().filter(of_com).collect();
+    let mut entries = case.entries(Scalar::F64);
+    entries.retain(|entry| entry.function == Function::Com);
     // Binary points are of all functions; floats of one function do not depend on the others.
     let alone = Case {
         functions: vec![Function::Com],
@@ -108,31 +110,24 @@ fn a_zmp_has_a_bound_below_a_millimetre_or_the_error_that_was_seen() {
     let cases = ROBOTS.map(|(robot, support)| zmp(robot, support));
     let seen = parallel(cases.iter().collect(), |case| {
         let compiled = Compiled::plain(&folder, case, Scalar::F32, COMPILERS[0], "-O1");
-        let entries = case.entries(Scalar::F32);
-        let of_zmp = |entry: &&Entry| entry.function == Function::Zmp;
-        let entries: Vec<&Entry> = entries.iter().filter(of_zmp).collect();
+        let mut entries = case.entries(Scalar::F32);
+        entries.retain(|entry| entry.function == Function::Zmp);
         let mut drawn = draw(case, 600, 61, &*compiled.hold());
         drawn.r = case.model.cad_params().repeat(600);
         let rows = check(case, &compiled, &entries, &drawn);
         let header = case.package(Scalar::F32).header;
         for (name, measured, proven) in &rows {
-            assert!(
-                *proven <= 1e-3 || proven.is_infinite(),
-                "{}_{name}: {proven}",
-                case.name
-            );
+            let what = format!("{}_{name}", case.name);
+            assert!(*proven <= 1e-3 || proven.is_infinite(), "{what}: {proven}");
             if proven.is_infinite() {
-                let row = header
-                    .lines()
-                    .find(|line| line.starts_with(&format!(" * {name} ")));
-                let (_, seen) = row.unwrap().split_once("none; seen ").unwrap();
-                let seen: f64 = seen.split_once(' ').unwrap().0.parse().unwrap();
+                let row = row(&header, name);
+                assert_eq!(row[5..7], ["none;", "seen"], "{what}");
+                let seen: f64 = row[7].parse().unwrap();
                 assert!(
                     *measured < 10.0 * seen,
-                    "{}_{name}: {measured:.1e} of {seen:.1e}",
-                    case.name
+                    "{what}: {measured:.1e} of {seen:.1e}"
                 );
-                assert!(seen < 1e-4, "{}_{name}: {seen:.1e} m", case.name);
+                assert!(seen < 1e-4, "{what}: {seen:.1e} m");
             }
         }
         rows.iter().any(|row| row.2.is_infinite())
@@ -142,53 +137,47 @@ fn a_zmp_has_a_bound_below_a_millimetre_or_the_error_that_was_seen() {
 
 /// Largest distance of `found` from the same program in pairs of doubles.
 pub fn in_pairs(case: &Case, entry: &Entry, drawn: &Draw, found: &[f64]) -> f64 {
-    let program = case
-        .model
-        .program(entry.function, Given::Positions)
-        .unwrap();
-    let interpreter = Interpreter::new(&program);
+    let program = case.model.program(entry.function, Given::Positions);
+    let interpreter = Interpreter::new(&program.unwrap());
     let dof = case.model.dof();
     let servos = case.servos();
     let mut worst: f64 = 0.0;
     for (k, found) in found.chunks(entry.width).enumerate() {
         let row = k * dof..(k + 1) * dof;
-        let [qd, qdd] = drawn.motion(entry.function).map(|all| -> Vec<Double> {
-            all[row.clone()].iter().map(|x| Double::of(*x)).collect()
-        });
-        let q: Vec<Double> = match entry.given {
-            Some(_) => drawn.q[row].iter().map(|x| Double::of(*x)).collect(),
-            None => drawn.ticks[row]
-                .iter()
-                .zip(&servos)
-                .zip(&case.model.tree.dofs)
-                .map(|((ticks, servo), dof)| {
-                    let away = f64::from(ticks - servo.zero);
-                    match dof.prismatic {
-                        true => Double::of(away).mul(Double::of(servo.per_tick)),
-                        false => servo.turned(away),
-                    }
-                })
-                .collect(),
+        let doubles = |all: &[f64]| -> Vec<Double> { all.iter().map(|x| Double::of(*x)).collect() };
+        let [qd, qdd] = drawn
+            .motion(entry.function)
+            .map(|all| doubles(&all[row.clone()]));
+        let of_ticks = |((ticks, servo), dof): ((&i32, &Servo), &Dof)| {
+            let away = f64::from(ticks - servo.zero);
+            match dof.prismatic {
+                true => Double::of(away).mul(Double::of(servo.per_tick)),
+                false => servo.turned(away),
+            }
+        };
+        let q = match entry.given {
+            Some(_) => doubles(&drawn.q[row]),
+            None => {
+                let ticks = drawn.ticks[row].iter().zip(&servos);
+                ticks.zip(&case.model.tree.dofs).map(of_ticks).collect()
+            }
         };
         let params = case.model.base.params.len();
         let r = match entry.baked {
             true => case.model.params(),
             false => drawn.r[k * params..(k + 1) * params].to_vec(),
         };
-        let r: Vec<Double> = r.into_iter().map(Double::of).collect();
+        let r = doubles(&r);
         let mut inputs = vec![q.as_slice()];
         inputs.extend(entry.takes_velocities().then_some(qd.as_slice()));
         inputs.extend(entry.takes_accelerations().then_some(qdd.as_slice()));
         inputs.extend(entry.function.takes_parameters().then_some(r.as_slice()));
         let exact = interpreter.run(&inputs);
-        for (exact, found) in exact.iter().zip(found) {
-            let error = exact.distance(*found);
-            worst = if error.is_nan() {
-                f64::INFINITY
-            } else {
-                worst.max(error)
-            };
-        }
+        let errors = exact
+            .iter()
+            .zip(found)
+            .map(|(exact, found)| exact.distance(*found));
+        worst = errors.fold(worst, larger);
     }
     worst
 }
@@ -210,17 +199,13 @@ fn pairs_of_doubles_are_as_exact_as_they_must_be() {
         let third = Double::of(f64::from(k) * 0.0371);
         let x = third.mul(Double::of(1.0 / 3.0));
         let (s, c) = x.sin_cos();
-        let sine = big(x).sin(256, even, &mut constants);
-        let cosine = big(x).cos(256, even, &mut constants);
-        assert!(
-            distance(&sine, s) < 1e-30 && distance(&cosine, c) < 1e-30,
-            "{k}"
-        );
-        let product = big(x).mul(&big(s), 256, even);
-        let sum = big(x).add(&big(s), 256, even);
-        assert!(
-            distance(&product, x.mul(s)) < 1e-30 && distance(&sum, x.add(s)) < 1e-30,
-            "{k}"
-        );
+        for (exact, found) in [
+            (big(x).sin(256, even, &mut constants), s),
+            (big(x).cos(256, even, &mut constants), c),
+            (big(x).mul(&big(s), 256, even), x.mul(s)),
+            (big(x).add(&big(s), 256, even), x.add(s)),
+        ] {
+            assert!(distance(&exact, found) < 1e-30, "{k}");
+        }
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use nalgebra::DMatrix;
 use sesc_codegen::emit::c::{self, Options, Package, Scalar, Servos, Setting};
 use sesc_codegen::facts::Facts;
+use sesc_identify::evaluate::PORTABLE;
 use sesc_identify::robot::Robot;
 use sesc_model::expr::Argument;
 use sesc_model::tape::{Tape, Values};
@@ -103,10 +104,8 @@ impl Case {
     /// One of `robots/`.
     pub fn robot(robot: &str, support: &str) -> Case {
         let path = Path::new(ROOT).join(format!("robots/{robot}/{robot}.urdf"));
-        let model = Robot::read(&path)
-            .unwrap()
-            .model(support, Snapping::default(), None)
-            .unwrap();
+        let read = Robot::read(&path).unwrap();
+        let model = read.model(support, Snapping::default(), None).unwrap();
         let servos = match support {
             "r_sole" => Servos::default(),
             _ => servos(&model),
@@ -188,26 +187,18 @@ impl Case {
     pub fn and(mut self, what: &str, effects: &[Named]) -> Case {
         let mut file = ModelFile::from_values(&self.model, &self.model.cad_params(), None, "data");
         file.cells = vec![[0.1, 0.06], [0.1, -0.06], [-0.1, -0.06], [-0.1, 0.06]];
+        let known =
+            |&(name, value): &(&str, f64)| (name.to_string(), Quantity { value, std: None });
         let record = |&(effect, target, parameters): &Named| EffectRecord {
             effect: effect.to_string(),
             target: target.to_string(),
-            parameters: parameters
-                .iter()
-                .map(|&(name, value)| (name.to_string(), Quantity { value, std: None }))
-                .collect(),
+            parameters: parameters.iter().map(known).collect(),
             ..EffectRecord::default()
         };
         file.effects = effects.iter().map(record).collect();
         self.model = self.model.with_file(file).unwrap();
         self.name += &format!("_{what}");
         self
-    }
-
-    /// Effects whose reading divides, clamps or takes powers, and those of the body.
-    pub fn effects() -> Vec<Case> {
-        let mut cases = Case::of_cells();
-        cases.extend(Case::bodies());
-        cases
     }
 
     /// Effects whose reading divides, clamps or takes powers.
@@ -319,12 +310,8 @@ impl Case {
         let mut functions: Vec<(Function, bool)> =
             self.functions.iter().map(|f| (*f, false)).collect();
         if self.model.file.is_some() {
-            let baked = [
-                Function::Com,
-                Function::ComJacobian,
-                Function::Cop,
-                Function::CopJacobian,
-            ];
+            use Function::{Com, ComJacobian, Cop, CopJacobian};
+            let baked = [Com, ComJacobian, Cop, CopJacobian];
             let baked = baked.into_iter().filter(|f| self.functions.contains(f));
             functions.extend(baked.map(|function| (function, true)));
         }
@@ -335,12 +322,8 @@ impl Case {
     pub fn servos(&self) -> Vec<Servo> {
         let dofs = self.model.tree.dofs.iter();
         dofs.map(|dof| {
-            let own = self
-                .servos
-                .joints
-                .get(&dof.joint)
-                .cloned()
-                .unwrap_or_default();
+            let own = self.servos.joints.get(&dof.joint).cloned();
+            let own = own.unwrap_or_default();
             let sign = f64::from(own.sign.unwrap_or(1));
             let resolution = sign * own.resolution.unwrap_or(4096.0);
             Servo {
@@ -364,20 +347,14 @@ impl Case {
         let count = q.len() / self.model.dof();
         let mut out = vec![0.0; count * tape.outputs()];
         let arguments = function.arguments(Given::Positions).into_iter();
-        let arguments: Vec<Values> = arguments
-            .map(|argument| match argument {
-                Argument::Velocities => Values::PerPosture(qd),
-                Argument::Accelerations => Values::PerPosture(qdd),
-                Argument::Parameters => Values::PerPosture(r),
-                _ => Values::PerPosture(q),
-            })
-            .collect();
-        tape.run(
-            &arguments,
-            count,
-            &mut out,
-            sesc_identify::evaluate::PORTABLE,
-        );
+        let arguments = arguments.map(|argument| match argument {
+            Argument::Velocities => qd,
+            Argument::Accelerations => qdd,
+            Argument::Parameters => r,
+            _ => q,
+        });
+        let arguments: Vec<Values> = arguments.map(Values::PerPosture).collect();
+        tape.run(&arguments, count, &mut out, PORTABLE);
         out
     }
 }
@@ -398,7 +375,8 @@ pub fn cases() -> Vec<Case> {
         cases.push(case);
     }
     cases.push(estimating());
-    cases.extend(Case::effects());
+    cases.extend(Case::of_cells());
+    cases.extend(Case::bodies());
     cases.extend([4, 8, 16].map(|lanes| Case::robot("lift_base", "hand").of_many(lanes)));
     cases.push(exponent().of_many(8));
     cases

@@ -44,6 +44,15 @@ pub fn write(folder: &Path, name: &str, package: &Package) -> PathBuf {
     source
 }
 
+/// The words of a function's row in the tables of a header.
+pub fn row<'h>(header: &'h str, function: &str) -> Vec<&'h str> {
+    let rows = header.lines().filter_map(|line| line.strip_prefix(" * "));
+    let mut rows = rows.map(|line| line.split_whitespace().collect::<Vec<&str>>());
+    let own = rows.find(|words| words.first() == Some(&function));
+    let own = own.unwrap_or_else(|| panic!("the header has no row for {function}"));
+    own[1..].to_vec()
+}
+
 /// Run `work` on every item, two at a time.
 pub fn parallel<T: Send, R: Send>(items: Vec<T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
     let count = items.len();
@@ -66,9 +75,8 @@ pub fn parallel<T: Send, R: Send>(items: Vec<T>, work: impl Fn(T) -> R + Sync) -
     let failed = done.iter().filter(|(_, result)| result.is_err()).count();
     assert!(failed == 0, "{failed} of {count} failed, see above");
     done.sort_by_key(|(k, _)| *k);
-    done.into_iter()
-        .filter_map(|(_, result)| result.ok())
-        .collect()
+    let done = done.into_iter();
+    done.filter_map(|(_, result)| result.ok()).collect()
 }
 
 /// A program that reads postures and writes the results of chosen functions.
@@ -112,12 +120,8 @@ impl Compiled {
         let program = folder.join("program");
         let mut command = Command::new(compiler);
         command.args(WARNINGS).arg(SEPARATE).args(flags);
-        command
-            .arg(source)
-            .arg(folder.join("main.c"))
-            .arg("-o")
-            .arg(&program);
-        tool(&mut command).unwrap_or_else(|message| panic!("{message}"));
+        command.args([source, folder.join("main.c")]).arg("-o");
+        printed(command.arg(&program));
         Compiled {
             folder,
             program,
@@ -130,25 +134,17 @@ impl Compiled {
     /// Fraction bits that the header tells of `quantity`; 0 in floats.
     pub fn bits(&self, quantity: &str) -> i32 {
         let start = format!("#define {}_{quantity}_FRACTION_BITS ", self.name);
-        let line = self
-            .header
-            .lines()
-            .find_map(|line| line.strip_prefix(&start));
+        let mut lines = self.header.lines();
+        let line = lines.find_map(|line| line.strip_prefix(&start));
         line.map_or(0, |bits| bits.parse().unwrap())
     }
 
     /// The proven bound that the header's table gives; infinite where it says what was seen.
     pub fn bound(&self, entry: &Entry) -> f64 {
-        let row = self.header.lines().find_map(|line| {
-            let mut words = line.strip_prefix(" * ")?.split_whitespace();
-            let is_own = words.next()? == entry.name;
-            let bound = is_own.then(|| words.nth(5).unwrap())?;
-            Some(bound.parse().unwrap_or_else(|_| match bound {
-                "none;" | "none" => f64::INFINITY,
-                other => panic!("{other} is no bound"),
-            }))
-        });
-        row.unwrap_or_else(|| panic!("the header of {} has no row for {}", self.name, entry.name))
+        match row(&self.header, &entry.name)[5] {
+            "none;" | "none" => f64::INFINITY,
+            bound => bound.parse().unwrap(),
+        }
     }
 
     /// Rounding of a position or velocity to what the scalar holds.
@@ -182,25 +178,10 @@ impl Compiled {
     }
 
     /// Results of each entry, in metres, row by row.
-    pub fn run(&self, case: &Case, entries: &[&Entry], drawn: &Draw) -> Vec<Vec<f64>> {
-        self.try_run(case, entries, drawn)
-            .unwrap_or_else(|message| panic!("{message}"))
-    }
-
-    pub fn try_run(
-        &self,
-        case: &Case,
-        entries: &[&Entry],
-        drawn: &Draw,
-    ) -> Result<Vec<Vec<f64>>, String> {
+    pub fn run(&self, case: &Case, entries: &[Entry], drawn: &Draw) -> Vec<Vec<f64>> {
         let (dof, params) = (case.model.dof(), case.model.base.params.len());
-        let prismatic: Vec<bool> = case
-            .model
-            .tree
-            .dofs
-            .iter()
-            .map(|dof| dof.prismatic)
-            .collect();
+        let dofs = case.model.tree.dofs.iter();
+        let prismatic: Vec<bool> = dofs.map(|dof| dof.prismatic).collect();
         let mut bytes = Vec::new();
         let [q_bits, qd_bits, r_bits, sc_bits] =
             ["Q", "QD", "R", "SC"].map(|quantity| self.bits(quantity));
@@ -224,19 +205,15 @@ impl Compiled {
             for (j, (_, cos)) in pairs.iter().enumerate() {
                 put(if prismatic[j] { 0.0 } else { *cos }, sc_bits);
             }
-            let (qd, r) = (
-                &drawn.qd[k * dof..(k + 1) * dof],
-                &drawn.r[k * params..(k + 1) * params],
-            );
-            qd.iter().for_each(|x| put(*x, qd_bits));
-            for array in [&drawn.slow, &drawn.qdd] {
-                let row = &array[k * dof..(k + 1) * dof];
-                // Fixed point has no function of them.
-                row.iter().for_each(|x| put(*x, 0));
+            let own = k * dof..(k + 1) * dof;
+            // Fixed point has no function of slow motion and of accelerations.
+            for (array, bits) in [(&drawn.qd, qd_bits), (&drawn.slow, 0), (&drawn.qdd, 0)] {
+                array[own.clone()].iter().for_each(|x| put(*x, bits));
             }
+            let r = &drawn.r[k * params..(k + 1) * params];
             r.iter().for_each(|x| put(*x, r_bits));
-            let ticks = &drawn.ticks[k * dof..(k + 1) * dof];
-            ticks.iter().for_each(|t| bytes.extend(t.to_le_bytes()));
+            let ticks = drawn.ticks[own].iter();
+            ticks.for_each(|t| bytes.extend(t.to_le_bytes()));
         }
         let input = self.folder.join("input");
         fs::write(&input, bytes).unwrap();
@@ -247,7 +224,7 @@ impl Compiled {
             let at = all.iter().position(|e| e.name == entry.name).unwrap();
             command.arg(at.to_string());
         }
-        let output = tool(&mut command)?;
+        let output = tool(&mut command).unwrap_or_else(|message| panic!("{message}"));
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); entries.len()];
         let size = if self.scalar == Scalar::F64 { 8 } else { 4 };
         let mut values = output.chunks(size);
@@ -269,10 +246,10 @@ impl Compiled {
         }
         assert!(
             values.next().is_none(),
-            "{}: as many results as asked for",
+            "{}: more than asked for",
             self.name
         );
-        Ok(columns)
+        columns
     }
 }
 
@@ -283,13 +260,8 @@ fn driver(case: &Case, scalar: Scalar) -> String {
     let widest = entries.iter().map(|entry| entry.width).max().unwrap_or(1);
     let mut cases = String::new();
     for (k, entry) in entries.iter().enumerate() {
-        let _ = writeln!(
-            cases,
-            "    case {k}: {name}_{}({}, out); return {}u;",
-            entry.name,
-            entry.arguments(),
-            entry.width
-        );
+        let call = format!("{name}_{}({}, out)", entry.name, entry.arguments());
+        let _ = writeln!(cases, "    case {k}: {call}; return {}u;", entry.width);
     }
     format!(
         r#"#include "{name}.h"

@@ -9,13 +9,14 @@ use rand_chacha::ChaCha8Rng;
 use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::facts::Facts;
 use sesc_generated::{op2_r_sole as op2, two_link_foot as two_link};
+use sesc_identify::evaluate::PORTABLE;
 use sesc_model::tape::{Tape, Values};
 use sesc_model::{Function, Given};
 use sesc_runtime::fit::Estimator;
 use sesc_runtime::{Const, Posture, Scalar as Number, Sesc};
 
 use super::case::Case;
-use super::compiled::{SEPARATE, WARNINGS, folder, parallel, tool, write};
+use super::compiled::{SEPARATE, WARNINGS, folder, parallel, printed, tool, write};
 use super::draw::Draw;
 use crate::COMPILERS;
 
@@ -147,8 +148,7 @@ fn c(
     let mut command = Command::new(build[0]);
     command.args(WARNINGS).args([SEPARATE, build[1]]);
     command.arg(source).arg(folder.join("main.c"));
-    command.arg("-o").arg(folder.join("program"));
-    tool(&mut command).unwrap_or_else(|message| panic!("{message}"));
+    printed(command.arg("-o").arg(folder.join("program")));
     let cad = case.model.cad_params();
     let std = match start {
         Start::Prior(std) => std,
@@ -161,14 +161,11 @@ fn c(
         numbers.extend(q);
         numbers.extend(reading);
     }
-    let bytes: Vec<u8> = match scalar {
-        Scalar::F32 => numbers
-            .iter()
-            .flat_map(|x| (*x as f32).to_le_bytes())
-            .collect(),
-        _ => numbers.iter().flat_map(|x| x.to_le_bytes()).collect(),
-    };
-    fs::write(folder.join("input"), bytes).unwrap();
+    let bytes = numbers.iter().flat_map(|x| match scalar {
+        Scalar::F32 => (*x as f32).to_le_bytes().to_vec(),
+        _ => x.to_le_bytes().to_vec(),
+    });
+    fs::write(folder.join("input"), bytes.collect::<Vec<u8>>()).unwrap();
     let mut command = Command::new(folder.join("program"));
     command.stdin(fs::File::open(folder.join("input")).unwrap());
     let output = tool(&mut command).unwrap_or_else(|message| panic!("{message}"));
@@ -203,23 +200,15 @@ where
     let mut found = Vec::new();
     for (k, (posture, reading)) in log.q.iter().zip(&log.readings).enumerate() {
         let mut q: Posture<R, T> = <R::Dof as sesc_runtime::Dim>::filled(T::ZERO);
-        q.as_mut()
-            .iter_mut()
-            .zip(posture)
-            .for_each(|(q, x)| *q = scalar(*x));
+        let both = q.as_mut().iter_mut().zip(posture);
+        both.for_each(|(q, x)| *q = scalar(*x));
         let mut cop = *reading;
         if let Some(program) = &correct {
-            let tape = Tape::new(program);
-            tape.run(
-                &[Values::PerPosture(reading)],
-                1,
-                &mut cop,
-                sesc_identify::evaluate::PORTABLE,
-            );
+            let reading = [Values::PerPosture(reading)];
+            Tape::new(program).run(&reading, 1, &mut cop, PORTABLE);
         }
-        estimator
-            .add_posture::<R>(&q, &cop.map(scalar), &log.cop_std.map(scalar))
-            .unwrap();
+        let (cop, std) = (cop.map(scalar), log.cop_std.map(scalar));
+        estimator.add_posture::<R>(&q, &cop, &std).unwrap();
         if k % 10 == 9 {
             found.extend(estimator.params().map(bits));
             found.extend(estimator.deviations().map(bits));
@@ -241,15 +230,13 @@ fn estimators_give_the_bits_of_the_runtime() {
     let gain = Case::with_effect("sensor_rotation", "-", ("yaw_rad", 0.02)).informed();
     let mut jobs = Vec::new();
     for (k, case) in [&op2, &two_link, &gain].into_iter().enumerate() {
-        for (j, (start, cop_std)) in [
+        let starts = [
             (Start::Prior(0.01), [1e-3, 2e-3]),
             (Start::Prior(0.01), [2e-6; 2]),
             (Start::Prior(f64::MAX), [1e-3; 2]),
             (Start::File, [1e-3; 2]),
-        ]
-        .into_iter()
-        .enumerate()
-        {
+        ];
+        for (j, (start, cop_std)) in starts.into_iter().enumerate() {
             let compiler = COMPILERS[(j + k) % COMPILERS.len()];
             let build = [compiler, ["-O2", "-O3", "-O0", "-O1"][(j + k) % 4]];
             jobs.push((k, case, start, cop_std, build));
@@ -272,11 +259,8 @@ fn estimators_give_the_bits_of_the_runtime() {
             ],
         };
         let name = format!("{} {start:?} {build:?}", case.name);
-        assert_eq!(
-            c(&folder, case, Scalar::F64, &log, start, build),
-            double_bits,
-            "{name}"
-        );
+        let found = c(&folder, case, Scalar::F64, &log, start, build);
+        assert_eq!(found, double_bits, "{name}");
         let worth = f64::from_bits(*double_bits.last().unwrap());
         assert!(k != 1 || worth < 0.6 * POSTURES as f64, "{name}: {worth}");
         // The runtime's reading is corrected in f64 here.

@@ -12,8 +12,9 @@ use super::bounds::check;
 use super::case::{Case, ROOT};
 use super::compiled::{Compiled, folder, parallel};
 use super::draw::draw;
-use super::entry::Entry;
 use crate::COMPILERS;
+use sesc_test_support::command::says;
+use sesc_test_support::trees::Urdf;
 
 /// An overflowing sum, a shift of too many bits or an index beyond an array traps.
 const TRAPS: [&str; 3] = [
@@ -37,27 +38,20 @@ fn checked(case: &Case, source: String) -> String {
     let kept = "(int32_t)beside";
     let source = source.replace(kept, "@@").replace("(int32_t)(", "checked(");
     let source = source.replace("@@", kept).replace(&cast, "checked((wide");
+    let include = "#include <stdint.h>\n";
     let trap = "\nstatic int32_t checked(int64_t wide)\n{\n    \
                 if ((wide > INT32_MAX) || (wide < -INT32_MAX)) {\n        __builtin_trap();\n    }\n    \
                 return (int32_t)wide;\n}\n";
-    source.replacen(
-        "#include <stdint.h>\n",
-        &format!("#include <stdint.h>\n{trap}"),
-        1,
-    )
+    source.replacen(include, &format!("{include}{trap}"), 1)
 }
 
 /// `case` in fixed point, stopped by what overflows.
 pub fn trapping(folder: &Path, case: &Case) -> Compiled {
-    let change = |source| checked(case, source);
-    Compiled::build(
-        folder,
-        case,
-        Scalar::Fixed32,
+    let (change, compiler) = (
+        |source| checked(case, source),
         COMPILERS[COMPILERS.len() - 1],
-        &TRAPS,
-        change,
-    )
+    );
+    Compiled::build(folder, case, Scalar::Fixed32, compiler, &TRAPS, change)
 }
 
 /// A chain of joints of alternating axes, links `length` long, limits ±`limit`.
@@ -79,18 +73,15 @@ impl Chain {
             upper,
             ..
         } = self;
-        let inertial = |k: usize| {
+        let link = |robot: Urdf, k: usize| {
             let (a, b) = (length * (0.3 + 0.05 * (k % 7) as f64), length * 0.11);
-            format!(
-                "<inertial><origin xyz='{a} {b} {a}'/><mass value='{}'/></inertial>",
-                1 + k % 3
+            robot.link(
+                &format!("l{k}"),
+                (1 + k % 3) as f64,
+                &format!("{a} {b} {a}"),
             )
         };
-        let mut text = format!(
-            "<robot name='{}'><link name='l0'>{}</link>",
-            self.name,
-            inertial(0)
-        );
+        let mut robot = link(Urdf::new(self.name), 0);
         for k in 0..self.joints {
             let axis = ["1 0 0", "0 1 0", "0 0 1", "0.6 0 0.8", "0.3 -0.7 0.2"][k % 5];
             let mimic = match self.mimic {
@@ -100,18 +91,16 @@ impl Chain {
                 ),
                 _ => String::new(),
             };
-            text += &format!(
-                "<link name='l{next}'>{}</link><joint name='j{k}' type='{}'>\
-                 <parent link='l{k}'/><child link='l{next}'/>\
-                 <origin xyz='{length} 0 {length}' rpy='0.2 0 {}'/><axis xyz='{axis}'/>\
-                 <limit lower='{lower}' upper='{upper}'/>{mimic}</joint>",
-                inertial(k + 1),
-                (self.kind)(k),
-                0.1 * (k % 9) as f64,
-                next = k + 1,
+            let turn = 0.1 * (k % 9) as f64;
+            let more = format!(
+                "<origin xyz='{length} 0 {length}' rpy='0.2 0 {turn}'/><axis xyz='{axis}'/>\
+                 <limit lower='{lower}' upper='{upper}'/>{mimic}"
             );
+            let links = [format!("l{k}"), format!("l{}", k + 1)];
+            let links = [links[0].as_str(), &links[1]];
+            robot = link(robot, k + 1).joint(&format!("j{k}"), (self.kind)(k), links, &more);
         }
-        text + "</robot>"
+        robot.text()
     }
 }
 
@@ -189,18 +178,15 @@ fn robots_at_the_ends_of_what_32_bits_hold() {
         match c::package(&Facts::of(&case.model), &case.name, &options) {
             Err(error) => {
                 let message = error.to_string();
-                let says = ["fixed32", "may reach", "the robot reaches", "f32"];
-                assert!(
-                    says.iter().all(|w| message.contains(w)),
-                    "{}: {message}",
-                    chain.name
+                says(
+                    &message,
+                    &["fixed32", "may reach", "the robot reaches", "f32"],
                 );
                 (chain.name, Err(message))
             }
             Ok(_) => {
                 let compiled = trapping(&folder, &case);
                 let entries = case.entries(Scalar::Fixed32);
-                let entries: Vec<&Entry> = entries.iter().collect();
                 let drawn = draw(&case, 240, 37, &*compiled.hold());
                 let rows = check(&case, &compiled, &entries, &drawn);
                 let com = rows.into_iter().find(|(name, ..)| name == "com").unwrap();
@@ -211,11 +197,8 @@ fn robots_at_the_ends_of_what_32_bits_hold() {
     for (name, outcome) in &outcomes {
         println!("{name:<18} {outcome:?}");
     }
-    let refused: Vec<&str> = outcomes
-        .iter()
-        .filter(|(_, o)| o.is_err())
-        .map(|(name, _)| *name)
-        .collect();
+    let refused = outcomes.iter().filter(|(_, outcome)| outcome.is_err());
+    let refused: Vec<&str> = refused.map(|(name, _)| *name).collect();
     assert_eq!(refused, ["endless_strokes", "too_many_turns"]);
 }
 
@@ -228,7 +211,6 @@ fn in_floats(folder: &Path, case: &Case, scalar: Scalar) {
         Ok(_) => {
             let compiled = Compiled::plain(folder, case, scalar, COMPILERS[0], "-O0");
             let entries = case.entries(Scalar::Fixed32);
-            let entries: Vec<&Entry> = entries.iter().collect();
             let drawn = draw(case, 60, 53, &*compiled.hold());
             // In f64 the tape is the yardstick of f32 alone; here the self-test runs.
             match scalar {
@@ -254,19 +236,13 @@ fn a_chain_of_hundreds_of_joints_stays_inside() {
         mimic: None,
     };
     let case = Case::of_text(&chain.text(), "l0", chain.name);
-    let kept = [
-        Function::Com,
-        Function::ComVelocity,
-        Function::Cop,
-        Function::GravityMoments,
-    ];
+    use Function::{Com, ComVelocity, Cop, GravityMoments};
     let case = Case {
-        functions: kept.to_vec(),
+        functions: vec![Com, ComVelocity, Cop, GravityMoments],
         ..case
     };
     let compiled = trapping(&folder, &case);
     let entries = case.entries(Scalar::Fixed32);
-    let entries: Vec<&Entry> = entries.iter().collect();
     let drawn = draw(&case, 60, 41, &*compiled.hold());
     println!("{:?}", check(&case, &compiled, &entries, &drawn));
 }
@@ -285,18 +261,10 @@ fn any_position_velocity_and_tick_is_defined_in_fixed_point() {
         let compiler = COMPILERS[COMPILERS.len() - 1];
         let compiled = Compiled::build(&folder, &case, Scalar::Fixed32, compiler, &TRAPS, |s| s);
         let entries = case.entries(Scalar::Fixed32);
-        let entries: Vec<&Entry> = entries.iter().collect();
         let mut drawn = draw(&case, 200, 47, &*compiled.hold());
-        let ends = [
-            -i32::MAX,
-            i32::MAX,
-            1 - i32::MAX,
-            -1,
-            1 << 30,
-            987_654_321,
-            -123_456_789,
-        ];
-        let mut ends = ends.into_iter().cycle();
+        let most = [-i32::MAX, i32::MAX, 1 - i32::MAX];
+        let others = [-1, 1 << 30, 987_654_321, -123_456_789];
+        let mut ends = most.into_iter().chain(others).cycle();
         let [q_bits, qd_bits, sc_bits] = ["Q", "QD", "SC"].map(|quantity| compiled.bits(quantity));
         let dof = case.model.dof();
         for k in 0..drawn.q.len() {
@@ -349,11 +317,8 @@ fn servo_settings_come_from_a_file_as_from_code() {
     case.servos.default = Default::default();
     assert_eq!(from_file, case.package(Scalar::Fixed32));
     let compiled = trapping(&folder, &case);
-    let entries = case.entries(Scalar::Fixed32);
-    let entries: Vec<&Entry> = entries
-        .iter()
-        .filter(|entry| entry.given.is_none())
-        .collect();
+    let mut entries = case.entries(Scalar::Fixed32);
+    entries.retain(|entry| entry.given.is_none());
     let drawn = draw(&case, 200, 43, &*compiled.hold());
     check(&case, &compiled, &entries, &drawn);
 }

@@ -11,7 +11,7 @@ use sesc_codegen::emit::c::Scalar;
 use sesc_model::{Function, Given};
 
 use super::case::{Case, exponent};
-use super::compiled::{SEPARATE, WARNINGS, folder, parallel, tool, write};
+use super::compiled::{SEPARATE, WARNINGS, folder, parallel, printed, tool, write};
 use super::entry::Entry;
 
 /// Robots of every joint type, with effects that divide, clamp and take powers, with
@@ -50,11 +50,10 @@ fn functions(case: &Case, scalar: Scalar) -> Vec<Batch> {
             arrays.extend(entry.takes_velocities().then(|| ("qd", dof.clone())));
             arrays.extend(entry.takes_accelerations().then(|| ("qdd", dof.clone())));
             arrays.extend(entry.takes_parameters().then(|| ("r", String::new())));
-            let (name, width) = (entry.name.clone(), entry.width);
             Batch {
-                name,
                 arrays,
-                width,
+                name: entry.name,
+                width: entry.width,
             }
         })
         .collect();
@@ -105,10 +104,9 @@ fn driver(case: &Case, scalar: Scalar) -> String {
         );
         let _ = writeln!(calls, "        check_{function}(sizes[s]);");
     }
-    let bits = if scalar == Scalar::F64 {
-        "uint64_t"
-    } else {
-        "uint32_t"
+    let bits = match scalar {
+        Scalar::F64 => "uint64_t",
+        _ => "uint32_t",
     };
     DRIVER
         .replace("@checks", &checks)
@@ -247,21 +245,13 @@ pub fn sum(folder: &Path, case: &Case, scalar: Scalar, command: &[&str], run: &[
     fs::write(&main, &driver).unwrap();
     let build = |arguments: &[&str]| {
         let mut build = Command::new(command[0]);
-        build.args(&command[1..]).arg(SEPARATE).args(arguments);
-        tool(&mut build).unwrap_or_else(|message| panic!("{message}"));
+        printed(build.args(&command[1..]).arg(SEPARATE).args(arguments));
     };
     let [source, object, main] = [&source, &object, &main].map(|path| path.to_str().unwrap());
     build(&[&WARNINGS[..], &["-c", source, "-o", object]].concat());
-    build(&[
-        "-std=c99",
-        main,
-        object,
-        "-lm",
-        "-o",
-        program.to_str().unwrap(),
-    ]);
-    let mut words = run.to_vec();
-    words.push(program.to_str().unwrap());
+    let program = program.to_str().unwrap();
+    build(&["-std=c99", main, object, "-lm", "-o", program]);
+    let words = [run, &[program]].concat();
     let output = tool(Command::new(words[0]).args(&words[1..]));
     let output = output.unwrap_or_else(|message| panic!("{} {scalar:?}: {message}", case.name));
     String::from_utf8(output).unwrap()
@@ -281,10 +271,8 @@ fn every_lane_has_the_bits_of_one_posture_and_nothing_else_is_touched() {
             jobs.push((case, scalar));
         }
     }
-    let mut others: Vec<Vec<&str>> = COMPILERS[1..]
-        .iter()
-        .map(|other| vec![*other, "-O2"])
-        .collect();
+    let others = COMPILERS[1..].iter().map(|other| vec![*other, "-O2"]);
+    let mut others: Vec<Vec<&str>> = others.collect();
     #[cfg(target_arch = "x86_64")]
     {
         if std::is_x86_feature_detected!("avx2") {

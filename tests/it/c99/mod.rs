@@ -2,7 +2,7 @@
 //! without overflow, without a warning. `tests/boards` runs these with other compilers once more.
 
 pub mod bits;
-mod bounds;
+pub mod bounds;
 pub mod case;
 pub mod compiled;
 mod compilers;

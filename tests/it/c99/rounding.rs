@@ -7,7 +7,7 @@ use std::process::Command;
 use sesc_codegen::emit::c::Scalar;
 
 use super::case::Case;
-use super::compiled::{SEPARATE, WARNINGS, folder, tool, write};
+use super::compiled::{SEPARATE, WARNINGS, folder, printed, write};
 use crate::COMPILERS;
 
 /// What the self-test says in each mode, and in `com` the largest change by flushing.
@@ -83,14 +83,9 @@ fn the_self_test_notices_other_rounding_modes() {
             let program = folder.join("program");
             let mut build = Command::new(COMPILERS[0]);
             build.args(WARNINGS).args(options).arg(SEPARATE);
-            build
-                .args([&source, &main])
-                .args(["-lm", "-o"])
-                .arg(&program);
-            tool(&mut build).unwrap_or_else(|message| panic!("{message}"));
-            let said =
-                tool(&mut Command::new(&program)).unwrap_or_else(|message| panic!("{message}"));
-            let said = String::from_utf8(said).unwrap();
+            build.args([&source, &main]).args(["-lm", "-o"]);
+            printed(build.arg(&program));
+            let said = printed(&mut Command::new(&program));
             let numbers: Vec<f64> = said.lines().map(|line| line.parse().unwrap()).collect();
             assert_eq!(numbers[0], 0.0, "{scalar:?} {options:?}: {said}");
             for number in &numbers[1..4] {

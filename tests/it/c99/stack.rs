@@ -5,23 +5,20 @@ use std::fs;
 use std::process::Command;
 
 use super::case::{Case, SCALARS};
-use super::compiled::{SEPARATE, folder, parallel, tool, write};
+use super::compiled::{SEPARATE, folder, parallel, printed, write};
 
 /// Bytes of each function's frame, by its name after the prefix; those that became part of others
 /// have none.
 fn frames(usage: &str, name: &str) -> BTreeMap<String, usize> {
-    let rows = usage
-        .lines()
-        .map(|line| line.split('\t').collect::<Vec<_>>());
-    let own = |row: Vec<&str>| {
-        let function = row[0]
-            .rsplit(':')
-            .next()?
-            .strip_prefix(name)?
-            .strip_prefix('_')?;
-        Some((function.to_string(), row[1].parse().unwrap()))
+    let own = |line: &str| {
+        let row: Vec<&str> = line.split('\t').collect();
+        let function = row[0].rsplit(':').next()?.strip_prefix(name)?;
+        Some((
+            function.strip_prefix('_')?.to_string(),
+            row[1].parse().unwrap(),
+        ))
     };
-    rows.filter_map(own).collect()
+    usage.lines().filter_map(own).collect()
 }
 
 /// gcc says what each function takes. What it calls is added: its body, and every helper.
@@ -52,21 +49,12 @@ fn no_function_takes_more_stack_than_its_header_says() {
         let object = folder.join("object.o");
         for level in ["-O1", "-O2", "-Os"] {
             let mut gcc = Command::new("cc");
-            gcc.args(["-std=c99", SEPARATE, level, "-fstack-usage", "-c"])
-                .arg(&source);
-            tool(gcc.arg("-o").arg(&object)).unwrap_or_else(|message| panic!("{message}"));
-            let frames = frames(
-                &fs::read_to_string(folder.join("object.su")).unwrap(),
-                &case.name,
-            );
-            let is_helper = |name: &str| {
-                ["sincos", "turn", "lookup", "narrow", "power", "clamp"].contains(&name)
-            };
-            let helpers: usize = frames
-                .iter()
-                .filter(|(name, _)| is_helper(name))
-                .map(|(_, x)| x)
-                .sum();
+            gcc.args(["-std=c99", SEPARATE, level, "-fstack-usage", "-c", "-o"]);
+            printed(gcc.args([&object, &source]));
+            let usage = fs::read_to_string(folder.join("object.su")).unwrap();
+            let frames = frames(&usage, &case.name);
+            let helpers = ["sincos", "turn", "lookup", "narrow", "power", "clamp"];
+            let helpers: usize = helpers.iter().filter_map(|name| frames.get(*name)).sum();
             let of = |name: &str| frames.get(name).copied().unwrap_or(0);
             let own = |name: &str| {
                 let stem = name.strip_suffix("_sc").unwrap_or(name);
@@ -81,11 +69,8 @@ fn no_function_takes_more_stack_than_its_header_says() {
                     }
                     None => own(name),
                 };
-                assert!(
-                    taken <= *promised,
-                    "{} {name} {level}: {taken} B of {promised}",
-                    case.name
-                );
+                let what = format!("{} {name} {level}", case.name);
+                assert!(taken <= *promised, "{what}: {taken} B of {promised}");
             }
         }
     });

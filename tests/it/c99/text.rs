@@ -8,8 +8,9 @@ use std::process::Command;
 use sesc_codegen::emit::c::Scalar;
 
 use super::case::{Case, ROOT, SCALARS, cases, jobs};
-use super::compiled::{folder, tool};
+use super::compiled::{folder, printed};
 use super::fixed::without_comments;
+use sesc_test_support::command::program;
 
 /// Columns of a line, but for a name or string that is longer by itself.
 const COLUMNS: usize = 100;
@@ -94,10 +95,8 @@ fn the_text_keeps_to_the_rules() {
         let named = named.filter(|word| !word.starts_with(digit) && !macros.contains(word));
         distinct(&case.name, named, 63);
         if scalar == Scalar::F32 {
-            for number in words
-                .iter()
-                .filter(|w| w.starts_with(digit) && !w.starts_with("0x"))
-            {
+            let numbers = words.iter().filter(|word| word.starts_with(digit));
+            for number in numbers.filter(|number| !number.starts_with("0x")) {
                 let float = number.contains(['.', 'e']);
                 assert!(!float || number.ends_with('f'), "{}: {number}", case.name);
             }
@@ -125,12 +124,8 @@ fn no_recursion(case: &str, code: &str) {
         let starts = line.starts_with(|c: char| c.is_ascii_alphabetic());
         // The attribute of a type looks like a function.
         let starts = starts && !line.starts_with("typedef ");
-        starts.then(|| {
-            head.split_whitespace()
-                .last()
-                .unwrap_or_default()
-                .to_string()
-        })
+        let name = head.split_whitespace().last().unwrap_or_default();
+        starts.then(|| name.to_string())
     };
     let order: Vec<String> = code.lines().filter_map(defines).collect();
     assert!(order.len() > 3, "{case}: {order:?}");
@@ -157,23 +152,12 @@ fn the_same_bytes_in_every_run_and_language() {
     let folder = folder("language");
     for (k, language) in ["C", "de_DE.UTF-8", "tr_TR.UTF-8"].into_iter().enumerate() {
         let out = folder.join(k.to_string());
-        let mut command = Command::new(env!("CARGO_BIN_EXE_sesc"));
-        command
-            .current_dir(ROOT)
-            .env("LC_ALL", language)
-            .env("LANG", language);
-        command.args([
-            "generate",
-            "robots/op2/op2.urdf",
-            "--support",
-            "r_sole",
-            "--lang",
-            "c",
-            "--functions",
-            "com_jacobian,com_velocity,gravity_moments,regressor,regressor_cop,regressor_full,cop,zmp",
-        ]);
-        command.args(["--scalar", "fixed32", "--name", "op2_r_sole_fixed", "--out"]);
-        tool(command.arg(&out)).unwrap_or_else(|message| panic!("{message}"));
+        let mut command = Command::new(program());
+        let line = "generate robots/op2/op2.urdf --support r_sole --lang c --functions \
+             com_jacobian,com_velocity,gravity_moments,regressor,regressor_cop,regressor_full,cop,zmp \
+             --scalar fixed32 --name op2_r_sole_fixed --out";
+        command.current_dir(ROOT).args(line.split(' ')).arg(&out);
+        printed(command.env("LC_ALL", language).env("LANG", language));
         for file in ["op2_r_sole_fixed.h", "op2_r_sole_fixed.c"] {
             let text = fs::read(out.join(file)).unwrap();
             assert!(text == fs::read(Path::new(ROOT).join("generated/c").join(file)).unwrap());

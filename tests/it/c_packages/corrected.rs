@@ -3,10 +3,10 @@
 use std::fs;
 use std::process::Command;
 
-use sesc_reference::World;
+use sesc_reference::{Robot, World};
 
 use super::user::*;
-use sesc_test_support::command::{Folder, ROOT};
+use sesc_test_support::command::{Folder, ROOT, list, op2, says};
 
 /// A model of the OP2 with CAD's parameters and these effects.
 fn model(folder: &Folder, effects: &str) {
@@ -15,7 +15,7 @@ fn model(folder: &Folder, effects: &str) {
         "robot = \"op2\"\nhash = {}\nsupport = \"r_sole\"\n",
         json["hash"]
     );
-    for parameter in json["parameters"].as_array().unwrap() {
+    for parameter in list(&json, "/parameters") {
         let (name, cad) = (&parameter["name"], &parameter["cad"]);
         model += &format!("[[parameters]]\nname = {name}\nvalue = {cad}\n");
     }
@@ -45,36 +45,29 @@ fn the_program_of_the_firmware_page_stands_a_robot_on_a_corrected_model() {
     model(&folder, EFFECTS);
     let answer = folder
         .json("generate op2.urdf --model model.toml --lang c --scalar f32 --name op2 --out .");
-    let zeros = answer["encoder_zeros"].as_array().unwrap();
-    assert_eq!(zeros.len(), 1);
-    assert_eq!(
-        (&zeros[0]["joint"], &zeros[0]["add"]),
-        (&"r_ank_pitch".into(), &0.05.into())
-    );
-    let effects = answer["effects"].as_array().unwrap().iter();
+    let [zero] = &list(&answer, "/encoder_zeros")[..] else {
+        panic!("{answer}")
+    };
+    assert_eq!(zero["joint"], "r_ank_pitch");
+    assert_eq!(zero["add"], 0.05);
+    let effects = list(&answer, "/effects").iter();
     let held: Vec<&str> = effects.map(|e| e["functions"].as_str().unwrap()).collect();
     assert_eq!(held, ["all", "cop", "cop"]);
-    let header = folder.read("op2.h");
-    let words: Vec<&str> = header
-        .split_whitespace()
-        .filter(|word| *word != "*")
-        .collect();
-    let header = words.join(" ");
-    for said in [
+    let held =
+        "Holds: joint_offset of r_ank_pitch. Only model_cop holds: ground_slope, sensor_gain.";
+    let said = [
         "encoder r_ank_pitch: add 0.05 rad to what it reads",
         "effect in cop ground_slope",
-        "Holds: joint_offset of r_ank_pitch. Only model_cop holds: ground_slope, sensor_gain.",
+        held,
         "with them the CoM that balances is not the one of com or model_com",
         "void op2_model_com_jacobian(",
         "void op2_model_cop_jacobian(",
-    ] {
-        assert!(header.contains(said), "{said}");
-    }
+    ];
+    says(words(&folder.read("op2.h")), &said);
 
     let page = fs::read_to_string(format!("{ROOT}/docs/firmware.md")).unwrap();
-    let (_, rest) = page
-        .split_once("```c\n#include \"op2.h\"\n\n/* One step")
-        .unwrap();
+    let begin = "```c\n#include \"op2.h\"\n\n/* One step";
+    let (_, rest) = page.split_once(begin).unwrap();
     let stand = rest.split_once("```").unwrap().0;
     let main = format!(
         "#include \"op2.h\"\n#include <stdio.h>\n/* One step{stand}\nint main(void) {{\n\
@@ -84,21 +77,15 @@ fn the_program_of_the_firmware_page_stands_a_robot_on_a_corrected_model() {
          return op2_selftest();\n}}\n"
     );
     folder.write("main.c", main);
-    let path = folder.path();
-    run(Command::new("cc")
-        .current_dir(path)
-        .args(["-std=c99", "main.c", "op2.c", "-o", "main"]));
-    let printed = run(&mut Command::new(path.join("main")));
+    let mut cc = Command::new("cc");
+    cc.args(["-std=c99", "main.c", "op2.c", "-o", "main"]);
+    run(cc.current_dir(folder.path()));
+    let printed = run(&mut Command::new(folder.join("main")));
     let q: Vec<f64> = printed.lines().map(|line| line.parse().unwrap()).collect();
-    let text = fs::read_to_string(format!("{ROOT}/robots/op2/op2.urdf")).unwrap();
-    let robot = sesc_reference::Robot::from_urdf(&text).unwrap();
-    let world = World::new(&robot, "r_sole").unwrap();
+    let world = World::new(&Robot::from_file(op2()).unwrap(), "r_sole").unwrap();
     let world = world.joint_offset("r_ank_pitch", 0.05).unwrap();
-    let world = world
-        .ground_slope([0.04, -0.02])
-        .unwrap()
-        .sensor_gain([1.2, 0.9]);
-    let reading = world.cop(&q);
+    let world = world.ground_slope([0.04, -0.02]).unwrap();
+    let reading = world.sensor_gain([1.2, 0.9]).cop(&q);
     let off = (reading[0] - 0.015).hypot(reading[1] + 0.004);
     assert!(off < 1e-5, "{reading:?}");
 }

@@ -6,7 +6,9 @@ use std::path::Path;
 use std::process::Command;
 
 use super::user::*;
-use sesc_test_support::command::{ROOT, op2, write};
+use crate::c99::compiled::row;
+use sesc_test_support::command::{ROOT, op2, says, write};
+use sesc_test_support::trees::Urdf;
 
 /// Joints that move by themselves, in the order of the document: name, lower, upper.
 fn joints(urdf: &str) -> (Vec<(String, f64, f64)>, f64) {
@@ -52,18 +54,10 @@ fn printed(folder: &Path, name: &str, statements: &str) -> Vec<String> {
          int main(void)\n{{\n{statements}    return 0;\n}}\n"
     );
     let main = write(folder, "main.c", main);
-    let binary = folder.join("main");
-    run(Command::new("cc")
-        .args(["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-I"])
-        .arg(folder)
-        .arg(main)
-        .arg(folder.join(format!("{name}.c")))
-        .args(["-lm", "-o"])
-        .arg(&binary));
-    run(&mut Command::new(binary))
-        .lines()
-        .map(str::to_string)
-        .collect()
+    let source = format!("{name}.c");
+    run(cc(&[&main, &source, "-lm", "-o", "main"]).current_dir(folder));
+    let printed = run(&mut Command::new(folder.join("main")));
+    printed.lines().map(str::to_string).collect()
 }
 
 #[test]
@@ -74,12 +68,8 @@ fn headers_tell_mass_limits_names_and_indices() {
         assert!(joints.len() > 2);
         for scalar in ["f64", "f32", "fixed32"] {
             let folder = fresh(&format!("header_{name}_{scalar}"));
-            generate(
-                &folder,
-                &urdf,
-                support,
-                &["--scalar", scalar, "--name", name],
-            );
+            let more = ["--scalar", scalar, "--name", name];
+            generate(&folder, &urdf, support, &more);
             let unit = |quantity: &str| match scalar {
                 "fixed32" => format!("ldexp(1.0, -{name}_{quantity}_FRACTION_BITS)"),
                 _ => "1.0".to_string(),
@@ -93,14 +83,13 @@ fn headers_tell_mass_limits_names_and_indices() {
                 format!("    printf(\"%.17g\\n\", {name}_total_mass_kg * {of_mass});\n");
             for (joint, ..) in &joints {
                 let k = format!("{name}_JOINT_{}", joint.to_uppercase());
+                let [lower, upper] =
+                    ["lower", "upper"].map(|end| format!("{name}_joint_{end}[{k}]"));
+                let lower = limit(&lower, "INT32_MIN", "-INFINITY");
+                let upper = limit(&upper, "INT32_MAX", "INFINITY");
                 statements += &format!(
-                    "    printf(\"%d %s %.17g %.17g\\n\", (int){k}, {name}_joint_names[{k}], {}, {});\n",
-                    limit(
-                        &format!("{name}_joint_lower[{k}]"),
-                        "INT32_MIN",
-                        "-INFINITY"
-                    ),
-                    limit(&format!("{name}_joint_upper[{k}]"), "INT32_MAX", "INFINITY")
+                    "    printf(\"%d %s %.17g %.17g\\n\", (int){k}, {name}_joint_names[{k}], {lower}, \
+                     {upper});\n"
                 );
             }
             statements += &format!(
@@ -110,34 +99,24 @@ fn headers_tell_mass_limits_names_and_indices() {
             let lines = printed(&folder, name, &statements);
             // What rounding to the scalar may take.
             let near = |x: f64, y: f64| x == y || (x - y).abs() <= 1e-7 * y.abs().max(1.0);
-            assert!(
-                near(lines[0].parse().unwrap(), mass),
-                "{} is not {mass}",
-                lines[0]
-            );
+            let found = &lines[0];
+            assert!(near(found.parse().unwrap(), mass), "{found} is not {mass}");
             for (k, (line, (joint, lower, upper))) in lines[1..].iter().zip(&joints).enumerate() {
                 let words: Vec<&str> = line.split(' ').collect();
                 assert_eq!(words[..2], [k.to_string().as_str(), joint], "{line}");
                 let [low, high] = [2, 3].map(|at| words[at].parse::<f64>().unwrap());
-                assert!(
-                    near(low, *lower) && near(high, *upper),
-                    "{line}: {lower} {upper}"
-                );
-                assert!(
-                    low >= *lower && high <= *upper,
-                    "{line}: within the URDF's limits"
-                );
+                let is_near = near(low, *lower) && near(high, *upper);
+                // Within the URDF's limits.
+                let is_within = low >= *lower && high <= *upper;
+                assert!(is_near && is_within, "{line}: {lower} {upper}");
             }
             let params = &lines[1 + joints.len()..];
             assert_eq!(params[0], format!("{support}.x"));
             // The same names stand beside the numbers.
             let source = fs::read_to_string(folder.join(format!("{name}.c"))).unwrap();
             for param in params {
-                assert_eq!(
-                    source.matches(&format!(" /* {param} */")).count(),
-                    2,
-                    "{param}"
-                );
+                let named = format!(" /* {param} */");
+                assert_eq!(source.matches(&named).count(), 2, "{param}");
             }
         }
     }
@@ -155,10 +134,8 @@ fn convention(header: &str) -> BTreeMap<String, (i32, i32, f64, String)> {
             panic!("{line}")
         };
         let (zero, sign) = (zero.parse().unwrap(), sign.parse().unwrap());
-        (
-            joint.to_string(),
-            (zero, sign, scale.parse().unwrap(), unit.join(" ")),
-        )
+        let row = (zero, sign, scale.parse().unwrap(), unit.join(" "));
+        (joint.to_string(), row)
     };
     lines.map(row).collect()
 }
@@ -170,11 +147,8 @@ fn the_tick_convention_of_each_joint_stands_in_the_header() {
         let convention = convention(&header);
         assert_eq!(convention.len(), 20);
         for (joint, row) in convention {
-            assert_eq!(
-                row,
-                (2048, 1, 4096.0, "ticks a turn".to_string()),
-                "{joint}"
-            );
+            let usual = (2048, 1, 4096.0, "ticks a turn".to_string());
+            assert_eq!(row, usual, "{joint}");
         }
     }
     let folder = fresh("ticks");
@@ -208,11 +182,7 @@ fn the_tick_convention_of_each_joint_stands_in_the_header() {
 
 /// Columns of a function's row: mul, add, sin_cos, look_up.
 fn costs(header: &str, function: &str) -> [usize; 4] {
-    let row = header.lines().find_map(|line| {
-        let mut words = line.strip_prefix(" * ")?.split_whitespace();
-        (words.next()? == function).then(|| words.collect::<Vec<_>>())
-    });
-    let row = row.unwrap_or_else(|| panic!("no row for {function}"));
+    let row = row(header, function);
     std::array::from_fn(|k| row[k].parse().unwrap())
 }
 
@@ -227,21 +197,12 @@ fn look_ups_of_ticks_are_counted() {
     }
     // A resolution that no step of the table divides goes through the angle.
     let folder = fresh("look_ups");
-    let servos = write(
-        &folder,
-        "servos.toml",
-        "[joints.r_knee]\nresolution = 300.5\n",
-    );
+    let servos = "[joints.r_knee]\nresolution = 300.5\n";
+    let servos = write(&folder, "servos.toml", servos);
     let more = ["--scalar", "f32", "--servos", &servos, "--name", "op2"];
     generate(&folder, &op2(), "r_sole", &more);
     let header = fs::read_to_string(folder.join("op2.h")).unwrap();
     assert_eq!(costs(&header, "com_ticks")[2..], [1, 19]);
-}
-
-/// A header in one line, without the marks of its comments.
-fn words(header: &str) -> String {
-    let words = header.split_whitespace().filter(|word| *word != "*");
-    words.collect::<Vec<_>>().join(" ")
 }
 
 /// The trunk of `turned` looks along y of its foot; standing on the other side of a joint changes
@@ -249,42 +210,32 @@ fn words(header: &str) -> String {
 #[test]
 fn headers_say_which_way_axes_point_and_what_ticks_out_of_range_give() {
     let folder = fresh("axes");
-    let robot = "<robot name='turned'><link name='foot'><inertial><mass value='1'/></inertial></link>\
-        <link name='trunk'><inertial><origin xyz='0 0 1'/><mass value='2'/></inertial></link>\
-        <joint name='hip' type='revolute'><origin rpy='0 0 1.5707963267948966'/>\
-        <parent link='foot'/><child link='trunk'/><axis xyz='0 1 0'/>\
-        <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
-    let urdf = write(&folder, "turned.urdf", robot);
+    let robot = Urdf::new("turned")
+        .link("foot", 1.0, "0 0 0")
+        .link("trunk", 2.0, "0 0 1");
+    let hip = "<origin rpy='0 0 1.5707963267948966'/><axis xyz='0 1 0'/>\
+               <limit lower='-1' upper='1'/>";
+    let robot = robot.joint("hip", "revolute", ["foot", "trunk"], hip);
+    let urdf = write(&folder, "turned.urdf", robot.text());
     let header = |more: &[&str]| {
-        generate(
-            &folder,
-            &urdf,
-            "foot",
-            &[&["--name", "turned"], more].concat(),
-        );
+        let more = [&["--name", "turned"], more].concat();
+        generate(&folder, &urdf, "foot", &more);
         words(&fs::read_to_string(folder.join("turned.h")).unwrap())
     };
     let said = "z up from the ground, x and y in the sole plane; joints turn by the right-hand rule \
                 about their URDF axes; with all at 0, x of trunk points along (0.00, 1.00, 0.00)";
-    let table = header(&["--scalar", "f32"]);
-    assert!(table.contains(said), "{table}");
-    assert!(table.contains("a whole turn more is the same angle, for every int32_t"));
+    let turn = "a whole turn more is the same angle, for every int32_t";
+    says(header(&["--scalar", "f32"]), &[said, turn]);
     let servos = write(&folder, "servos.toml", "[default]\nresolution = 300.5\n");
     for (scalar, beyond) in [
-        (
-            "f32",
-            "angles beyond 1024 rad give NaN. Nothing is undefined.",
-        ),
-        (
-            "f64",
-            "angles beyond 2^20 rad give NaN. Nothing is undefined.",
-        ),
+        ("f32", "angles beyond 1024 rad give NaN"),
+        ("f64", "angles beyond 2^20 rad give NaN"),
         (
             "fixed32",
-            "what 32 bits do not hold wraps to another posture. Nothing is undefined.",
+            "what 32 bits do not hold wraps to another posture",
         ),
     ] {
         let found = header(&["--scalar", scalar, "--servos", &servos]);
-        assert!(found.contains(beyond), "{found}");
+        says(found, &[&format!("{beyond}. Nothing is undefined.")]);
     }
 }

@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use serde_json::Value;
 
 use super::user::*;
-use sesc_test_support::command::{Folder, ROOT, folder, stderr};
+use sesc_test_support::command::{Folder, ROOT, folder, says};
+use sesc_test_support::trees::Urdf;
 
 #[test]
 fn names_of_robots_break_no_format() {
@@ -58,10 +59,8 @@ fn the_same_robot_gives_the_same_bytes() {
     let two_link = format!("{ROOT}/robots/two_link/two_link.urdf");
     for layout in ["bare", "cmake", "platformio", "arduino"] {
         let more = ["--layout", layout, "--scalar", "f32", "--name", "legs"];
-        let (one, two) = (
-            folder.path().join(layout),
-            folder.path().join("again").join(layout),
-        );
+        let one = folder.path().join(layout);
+        let two = folder.path().join("again").join(layout);
         let printed = generate(&one, &two_link, "foot", &more);
         generate(&two, &two_link, "foot", &more);
         let printed: BTreeSet<PathBuf> = printed.into_iter().collect();
@@ -88,15 +87,8 @@ fn platformio_finds_what_its_manifest_names() {
     for scalar in ["f64", "f32", "fixed32"] {
         let library = folder.join(scalar);
         generate_op2(&library, "platformio", scalar);
-        assert_eq!(
-            files(&library),
-            [
-                "README.md",
-                "include/op2_r_sole.h",
-                "library.json",
-                "src/op2_r_sole.c"
-            ]
-        );
+        let there = "README.md include/op2_r_sole.h library.json src/op2_r_sole.c";
+        assert_eq!(files(&library).join(" "), there);
         let manifest = fs::read_to_string(library.join("library.json")).unwrap();
         let manifest: Value = serde_json::from_str(&manifest).unwrap();
         assert_eq!(manifest["name"], NAME);
@@ -111,11 +103,8 @@ fn platformio_finds_what_its_manifest_names() {
         let include = library.join(manifest["build"]["includeDir"].as_str().unwrap());
         let sources = library.join(manifest["build"]["srcDir"].as_str().unwrap());
         assert!(include.join(manifest["headers"].as_str().unwrap()).exists());
-        compile_c(
-            &sources.join("op2_r_sole.c"),
-            &include,
-            &library.join("package.o"),
-        );
+        let source = sources.join("op2_r_sole.c");
+        compile_c(&source, &include, &library.join("package.o"));
     }
 }
 
@@ -125,33 +114,28 @@ fn platformio_finds_what_its_manifest_names() {
 fn layouts_for_boards_are_in_f32_unless_told_otherwise() {
     let folder = Folder::with("two_link");
     let base = "generate two_link.urdf --support foot --lang c --name legs";
-    for (layout, more, real, cores) in [
+    for (layout, scalar, real, cores) in [
         ("arduino", "", "float", "architectures=*\n"),
         ("platformio", "", "float", ""),
         ("cmake", "", "double", ""),
-        ("arduino", "--scalar f64", "double", "architectures=esp32,"),
-        (
-            "arduino",
-            "--scalar fixed32",
-            "int32_t",
-            "architectures=*\n",
-        ),
+        ("arduino", "f64", "double", "architectures=esp32,"),
+        ("arduino", "fixed32", "int32_t", "architectures=*\n"),
     ] {
-        folder.stdout(&format!("{base} --layout {layout} {more} --out {layout}"));
-        let header = if layout == "arduino" {
-            "src"
-        } else {
-            "include"
+        let scalar = match scalar {
+            "" => String::new(),
+            scalar => format!("--scalar {scalar}"),
         };
+        folder.stdout(&format!("{base} --layout {layout} {scalar} --out {layout}"));
+        let is_arduino = layout == "arduino";
+        let header = if is_arduino { "src" } else { "include" };
         let header = folder.read(&format!("{layout}/{header}/legs.h"));
-        assert!(
-            header.contains(&format!("typedef {real} legs_real;")),
-            "{layout} {more}"
-        );
-        if layout == "arduino" {
+        says(header, &[&format!("typedef {real} legs_real;")]);
+        if is_arduino {
             let text = folder.read("arduino/library.properties");
-            assert!(text.contains(cores), "{more}: {text}");
-            assert!(text.contains("\nmaintainer=owner of two_link\n") && text.contains("\nurl=\n"));
+            says(
+                text,
+                &[cores, "\nmaintainer=owner of two_link\n", "\nurl=\n"],
+            );
         }
     }
 }
@@ -161,12 +145,12 @@ fn layouts_for_boards_are_in_f32_unless_told_otherwise() {
 fn a_file_of_another_robot_is_not_replaced_without_a_word() {
     let folder = Folder::empty();
     let robot = |name: &str, link: &str| {
-        format!(
-            "<robot name='{name}'><link name='{link}'><inertial><mass value='1'/></inertial></link>\
-             <link name='top'><inertial><origin xyz='0 0 1'/><mass value='2'/></inertial></link>\
-             <joint name='j' type='revolute'><parent link='{link}'/><child link='top'/>\
-             <axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>"
-        )
+        let robot = Urdf::new(name)
+            .link(link, 1.0, "0 0 0")
+            .link("top", 2.0, "0 0 1");
+        robot
+            .revolute("j", [link, "top"], "0 0 0", "0 1 0", 1.0)
+            .text()
     };
     folder.write("a.urdf", robot("a", "b_c"));
     folder.write("a_b.urdf", robot("a_b", "c"));
@@ -174,15 +158,13 @@ fn a_file_of_another_robot_is_not_replaced_without_a_word() {
         let first = format!("generate a.urdf --support b_c --lang {lang} --out out");
         let other = format!("generate a_b.urdf --support c --lang {lang} --out out");
         folder.stdout(&first);
-        folder.refuses(
-            &other,
-            &["a_b_c.", "another robot or support", "--name or --out"],
-        );
+        let words = ["a_b_c.", "another robot or support", "--name or --out"];
+        folder.refuses(&other, &words);
         // The same robot, changed, replaces its own; a name of one's own is a word.
         folder.write("a.urdf", robot("a", "b_c").replace("'2'", "'3'"));
         folder.stdout(&first);
-        let said = stderr(&folder.run(&format!("{other} --name a_b_c")));
-        assert!(said.contains("and is replaced"), "{said}");
+        let said = folder.said(&format!("{other} --name a_b_c"));
+        says(said, &["and is replaced"]);
         folder.stdout(&other);
         folder.write("a.urdf", robot("a", "b_c"));
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use nalgebra::DMatrix;
@@ -11,7 +11,8 @@ use sesc_identify::robot::Robot;
 use sesc_model::{EffectRecord, Function, Information, ModelFile, Quantity, Snapping};
 
 use super::user::*;
-use sesc_test_support::command::{op2, write};
+use crate::c99::fixed::without_comments;
+use sesc_test_support::command::{in_words, op2, write};
 
 /// What the sensor adds to the CoP, x and y, m.
 const OFFSET_M: [f64; 2] = [0.004, -0.002];
@@ -29,21 +30,11 @@ enum Declared {
 
 /// Everything that a header declares, in its order.
 fn declared(header: &str, name: &str) -> Vec<Declared> {
-    let mut code = String::new();
-    for (k, part) in header.split("/*").enumerate() {
-        let outside = if k == 0 {
-            part
-        } else {
-            part.split_once("*/").unwrap().1
-        };
-        code += outside;
-    }
+    let code = without_comments(header);
     let lines: Vec<&str> = code.lines().filter(|line| !line.starts_with('#')).collect();
     let behind = |word: &str| {
-        let bare = word.trim_start_matches('*').split('[').next().unwrap();
-        bare.strip_prefix(name)
-            .and_then(|word| word.strip_prefix('_'))
-            .map(str::to_string)
+        let bare = word.trim_start_matches('*').split('[').next()?;
+        Some(bare.strip_prefix(name)?.strip_prefix('_')?.to_string())
     };
     let declaration = |text: &str| {
         if let Some(data) = text.trim().strip_prefix("extern const ") {
@@ -54,26 +45,14 @@ fn declared(header: &str, name: &str) -> Vec<Declared> {
         let (result, function) = head.trim().rsplit_once(' ')?;
         let result = result.trim_end();
         let parameter = |text: &str| {
-            let word = text
-                .split_whitespace()
-                .last()
-                .unwrap()
-                .trim_start_matches('*');
-            (
-                text.trim().starts_with("const"),
-                word.split('[').next().unwrap().to_string(),
-            )
+            let word = text.split_whitespace().last().unwrap();
+            let word = word.trim_start_matches('*').split('[').next().unwrap();
+            (text.trim().starts_with("const"), word.to_string())
         };
-        let parameters = parameters
-            .trim_end_matches(')')
-            .split(',')
-            .map(parameter)
-            .collect();
-        Some(Declared::Function(
-            result.to_string(),
-            behind(function)?,
-            parameters,
-        ))
+        let parameters = parameters.trim_end_matches(')').split(',');
+        let parameters = parameters.map(parameter).collect();
+        let result = result.to_string();
+        Some(Declared::Function(result, behind(function)?, parameters))
     };
     lines.join(" ").split(';').filter_map(declaration).collect()
 }
@@ -126,15 +105,11 @@ fn every_name_of_a_header_is_found_in_a_shared_library_and_called() {
     let file = write(&folder, "model.toml", model_file());
     for scalar in ["f64", "f32", "fixed32"] {
         let (floats, out) = (scalar != "fixed32", folder.join(scalar));
-        let options = [
-            "--scalar", scalar, "--name", &name, "--ticks", "true", "--model", &file,
-        ];
-        let of_floats: &[&str] = if floats {
-            &["--estimator", "--lanes", "8"]
-        } else {
-            &[]
-        };
-        generate(&out, &op2(), "r_sole", &[&options[..], of_floats].concat());
+        let options = "--scalar @ --name @ --ticks true --model @";
+        let more = if floats { " --estimator --lanes 8" } else { "" };
+        let options = format!("{options}{more}");
+        let options = in_words(&options, &[scalar, &name, &file]);
+        generate(&out, &op2(), "r_sole", &options);
         let header = fs::read_to_string(out.join(format!("{name}.h"))).unwrap();
         let declared = declared(&header, &name);
         let functions = declared.iter().filter_map(|declared| match declared {
@@ -148,40 +123,31 @@ fn every_name_of_a_header_is_found_in_a_shared_library_and_called() {
         assert_eq!(of_table, of_the_table(floats), "{scalar}");
         assert_eq!(estimator.len(), if floats { 6 } else { 0 }, "{estimator:?}");
         let library = out.join("library.so");
-        run(Command::new("cc")
-            .args(["-std=c99", "-O1", "-shared", "-fPIC"])
-            .arg(out.join(format!("{name}.c")))
-            .arg("-o")
-            .arg(&library));
-        let printed = call_all(&out, &library, &name, &caller(&name, &declared, &header));
+        let mut cc = Command::new("cc");
+        cc.args(["-std=c99", "-O1", "-shared", "-fPIC", "-o"]);
+        run(cc.arg(&library).arg(out.join(format!("{name}.c"))));
+        let printed = call_all(&out, &library, &caller(&name, &declared, &header));
         let turned = |k: i32| f64::from(37 * k) * std::f64::consts::TAU / 4096.0;
         let q: Vec<f64> = (0..20).map(turned).collect();
         let com = reference(&q);
         let lines: Vec<&str> = printed.lines().collect();
         near(lines[0], com, F32_M);
         // The reading is the CoM's x and y and the offset, which the correction takes off.
-        near(
-            lines[1],
-            [com[0] + OFFSET_M[0], com[1] + OFFSET_M[1], 0.0],
-            F32_M,
-        );
+        let [x, y] = [0, 1].map(|axis| com[axis] + OFFSET_M[axis]);
+        near(lines[1], [x, y, 0.0], F32_M);
         near(lines[2], [com[0], com[1], 0.0], F32_M);
     }
 }
 
 /// What the caller prints that is compiled and run with the library's path.
-fn call_all(out: &Path, library: &PathBuf, name: &str, text: &str) -> String {
+fn call_all(out: &Path, library: &Path, text: &str) -> String {
     let main = write(out, "main.c", text);
-    let binary = out.join("caller");
+    let mut cc = Command::new("cc");
+    cc.args(["-std=c99", "-Wall", "-Wextra", "-Werror"]);
     // Where the library of C holds dlopen, there is still a libdl to ask for.
-    run(Command::new("cc")
-        .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-I"])
-        .arg(out)
-        .arg(main)
-        .args(["-ldl", "-lm", "-o"])
-        .arg(&binary));
-    assert!(out.join(format!("{name}.h")).exists());
-    run(Command::new(&binary).arg(library))
+    cc.args([&main, "-ldl", "-lm", "-o", "caller"]);
+    run(cc.current_dir(out));
+    run(Command::new(out.join("caller")).arg(library))
 }
 
 /// Opens the library, finds and calls every name, and compares what computes one quantity;

@@ -12,10 +12,8 @@ fn shipped() -> Vec<String> {
     let stem = |path: PathBuf| path.file_stem().unwrap().to_str().unwrap().to_string();
     let entries = fs::read_dir(format!("{ROOT}/generated/c")).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());
-    let mut names: Vec<String> = paths
-        .filter(|path| path.extension().is_some_and(|extension| extension == "h"))
-        .map(stem)
-        .collect();
+    let headers = paths.filter(|path| path.extension().is_some_and(|end| end == "h"));
+    let mut names: Vec<String> = headers.map(stem).collect();
     names.sort();
     names
 }
@@ -76,11 +74,8 @@ fn two_supports_of_a_robot_with_a_long_name_link_together() {
     let folder = fresh("long_name");
     let robot = "unitree_g1_29dof_with_dex3_hands";
     let text = fs::read_to_string(op2()).unwrap();
-    let renamed = text.replacen(
-        "<robot name=\"op2\"",
-        &format!("<robot name=\"{robot}\""),
-        1,
-    );
+    let name = format!("<robot name=\"{robot}\"");
+    let renamed = text.replacen("<robot name=\"op2\"", &name, 1);
     assert_ne!(text, renamed);
     let urdf = write(&folder, "robot.urdf", renamed);
     let q: Vec<f64> = posture().into_iter().map(f64::from).collect();
@@ -134,10 +129,8 @@ fn names_too_long_for_files_are_refused() {
     let (most, robot) = ("n".repeat(100), "n".repeat(95));
     let renamed = format!("<robot name=\"{robot}\"");
     let text = folder.read("op2.urdf");
-    folder.write(
-        "op2.urdf",
-        text.replacen("<robot name=\"op2\"", &renamed, 1),
-    );
+    let text = text.replacen("<robot name=\"op2\"", &renamed, 1);
+    folder.write("op2.urdf", text);
     for lang in ["rust", "c"] {
         let usual = format!("generate op2.urdf --support r_sole --lang {lang} --out out");
         // Robot, `_` and support are 102 characters.

@@ -23,14 +23,10 @@ pub fn fresh(name: &str) -> PathBuf {
 
 pub fn generate(out: &Path, urdf: &str, support: &str, more: &[&str]) -> Vec<PathBuf> {
     let out = out.display().to_string();
-    let usual = in_words(
-        "generate @ --support @ --lang c --out @",
-        &[urdf, support, &out],
-    );
-    stdout(&sesc(&[&usual[..], more].concat()))
-        .lines()
-        .map(PathBuf::from)
-        .collect()
+    let line = "generate @ --support @ --lang c --out @";
+    let usual = in_words(line, &[urdf, support, &out]);
+    let printed = stdout(&sesc(&[&usual[..], more].concat()));
+    printed.lines().map(PathBuf::from).collect()
 }
 
 pub fn generate_op2(out: &Path, layout: &str, scalar: &str) {
@@ -48,25 +44,35 @@ pub fn reference(q: &[f64]) -> [f64; 3] {
 }
 
 pub fn near(line: &str, expected: [f64; 3], allowed_m: f64) {
-    let numbers: Vec<f64> = line
-        .split_whitespace()
-        .map(|x| x.parse().unwrap())
-        .collect();
+    let numbers = line.split_whitespace().map(|x| x.parse::<f64>().unwrap());
+    let numbers: Vec<f64> = numbers.collect();
     assert_eq!(numbers.len(), 3, "{line}");
-    for (got, expected) in numbers.iter().zip(expected) {
-        assert!(
-            (got - expected).abs() < allowed_m,
-            "{line} is not {expected:?}"
-        );
-    }
+    let mut gaps = numbers
+        .iter()
+        .zip(expected)
+        .map(|(got, expected)| got - expected);
+    let is_near = gaps.all(|gap| gap.abs() < allowed_m);
+    assert!(is_near, "{line} is not {expected:?}");
 }
 
 /// Compiles the generated source as strict C.
 pub fn compile_c(source: &Path, include: &Path, object: &Path) {
+    let mut cc = cc(&["-x", "c", "-c", "-I"]);
+    run(cc.arg(include).arg(source).arg("-o").arg(object));
+}
+
+/// A header in one line, without the marks of its comments.
+pub fn words(header: &str) -> String {
+    let words = header.split_whitespace().filter(|word| *word != "*");
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// Strict C that is compiled without a warning: `cc` with these words.
+pub fn cc(words: &[&str]) -> Command {
     let mut cc = Command::new("cc");
-    cc.args(["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror"]);
-    cc.args(["-x", "c", "-c", "-I"]).arg(include);
-    run(cc.arg(source).arg("-o").arg(object));
+    cc.args("-std=c99 -pedantic -Wall -Wextra -Werror".split(' '));
+    cc.args(words);
+    cc
 }
 
 /// Files below `folder`, sorted, with `/` between names.
@@ -111,10 +117,7 @@ pub fn odd_description(folder: &Path) -> String {
 /// Keys and values of an Arduino library.
 pub fn properties(library: &Path) -> BTreeMap<String, String> {
     let text = fs::read_to_string(library.join("library.properties")).unwrap();
-    text.lines()
-        .map(|line| {
-            let (key, value) = line.split_once('=').unwrap();
-            (key.to_string(), value.to_string())
-        })
-        .collect()
+    let pairs = text.lines().map(|line| line.split_once('=').unwrap());
+    let pairs = pairs.map(|(key, value)| (key.to_string(), value.to_string()));
+    pairs.collect()
 }

@@ -3,7 +3,9 @@
 use std::fs;
 
 use serde_json::{Value, json};
-use sesc_test_support::command::{Folder, ROOT, op2, refused, sesc, stderr, stdout};
+use sesc_test_support::command::{
+    Folder, ROOT, json as json_of, number, op2, refused, says, sesc, stderr, stdout, texts,
+};
 
 #[test]
 fn effects_are_listed_and_explained() {
@@ -22,16 +24,32 @@ fn effects_are_listed_and_explained() {
     {
         assert!(named(name)["sentence"].as_str().unwrap().ends_with('.'));
     }
+    // In people's words, with the name of programs beside them.
     let table = stdout(&sesc(&["effects"]));
-    assert!(table.contains("backlash:JOINT") && table.contains("Or of all."));
+    let offset = "an offset of JOINT (joint_offset:JOINT)";
+    let load = "an unknown mass on LINK (payload:LINK)";
+    let slope = "a slope of the ground (ground_slope)";
+    let others = [
+        "(joint_swap:JOINT,JOINT)",
+        "(units:degrees)",
+        "backlash:JOINT",
+        "Or of all.",
+    ];
+    says(table, &[&[offset, load, slope][..], &others].concat());
     let page = |name: &str| {
         let page = fs::read_to_string(format!("{ROOT}/docs/effects/{name}.md")).unwrap();
         page.replace("```text\n", "").replace("```\n", "")
     };
     let one = stdout(&sesc(&["effects", "backlash"]));
-    assert!(one.contains("φ_j = q_j + (β/2) sign τ_j(φ)"), "{one}");
-    assert!(one.contains("Parameters: width_rad (rad)."), "{one}");
-    assert!(one.contains("joint_compliance:all"), "{one}");
+    let formula = "φ_j = q_j + (β/2) sign τ_j(φ)";
+    says(
+        &one,
+        &[
+            formula,
+            "Parameters: width_rad (rad).",
+            "joint_compliance:all",
+        ],
+    );
     assert!(!one.contains('|') && one.contains("─────"), "{one}");
     // What it does on the OP2 is computed, and the page of the book says the same, with tables
     // that are drawn otherwise.
@@ -53,11 +71,8 @@ fn effects_are_listed_and_explained() {
         assert_eq!(other["name"], name);
         assert!(other["sentence"].as_str().unwrap().ends_with('.'));
     }
-    let misspelt = sesc(&["effects", "backlsh"]);
-    refused(
-        &misspelt,
-        &["no effect `backlsh`", "did you mean `backlash`?"],
-    );
+    let words = ["no effect `backlsh`", "did you mean `backlash`?"];
+    refused(&sesc(&["effects", "backlsh"]), &words);
 }
 
 /// What writes files tells programs which.
@@ -91,10 +106,9 @@ fn errors_are_json_where_json_is_asked_for() {
         assert_eq!(output.status.code(), Some(2));
         // One sentence for programs, a line for each cause for people.
         let stderr = stderr(&output).replace("\n  caused by: ", ": ");
-        let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let json = json_of(&output);
         assert!(json["schema"].is_u64());
-        let message = json["error"]["message"].as_str().unwrap();
-        assert!(stderr.contains(message), "{stderr}: {message}");
+        says(stderr, &[json["error"]["message"].as_str().unwrap()]);
         json["error"].clone()
     };
     let broken = "<robot name='a'>\n<link name='b'>\n</robot>";
@@ -132,10 +146,8 @@ fn errors_are_json_where_json_is_asked_for() {
     ] {
         folder.write(file, text);
         let found = error(line);
-        assert_eq!(
-            (&found["file"], &found["line"]),
-            (&file.into(), &place.into())
-        );
+        assert_eq!(found["file"], file);
+        assert_eq!(found["line"], place);
         fs::remove_file(folder.join(file)).unwrap();
     }
 }
@@ -146,32 +158,24 @@ fn errors_are_json_where_json_is_asked_for() {
 fn an_error_above_the_callers_limit_is_exit_code_1() {
     let folder = Folder::with_log("--poses 120 --noise 0.0005");
     let judged = |command: &str, log: &str, floors: &str| {
-        folder.run(&format!(
-            "{command} op2.urdf --data {log} --json --fail-above {floors}"
-        ))
+        let line = format!("{command} op2.urdf --data {log} --json --fail-above {floors}");
+        folder.run(&line)
     };
     for command in ["fit", "diagnose"] {
         assert_eq!(judged(command, "log.csv", "3").status.code(), Some(0));
         let failed = judged(command, "log.csv", "0.2");
         assert_eq!(failed.status.code(), Some(1), "{command}");
-        let said = stderr(&failed);
-        assert!(said.contains("more than 0.2 noise floors"), "{said}");
-        let json: Value = serde_json::from_slice(&failed.stdout).unwrap();
-        assert!(json["noise_floor"].as_f64().unwrap() > 0.0);
+        says(stderr(&failed), &["more than 0.2 noise floors"]);
+        assert!(number(&json_of(&failed), "/noise_floor") > 0.0);
         refused(&judged(command, "log.csv", "-1"), &["above 0"]);
     }
     folder.simulate("--poses 120 --hide joint_offset:r_knee=3deg --noise 0.0005 --out bent.csv");
     let judged = judged("diagnose", "bent.csv", "1.5");
     assert_eq!(judged.status.code(), Some(1));
-    let said = stderr(&judged);
-    assert!(
-        said.contains("the error of the uncorrected model is"),
-        "{said}"
-    );
-    let found: Value = serde_json::from_slice(&judged.stdout).unwrap();
+    says(stderr(&judged), &["the error of the uncorrected model is"]);
+    let found = json_of(&judged);
     assert_eq!(found["verdict"], "named", "{}", found["sentence"]);
-    let number = |place: &str| found.pointer(place).and_then(Value::as_f64).unwrap();
-    assert!(number("/final/rmse") < 1.5 * number("/noise_floor"));
+    assert!(number(&found, "/final/rmse") < 1.5 * number(&found, "/noise_floor"));
 }
 
 /// A robot and logs to play with; what is not theirs stays.
@@ -203,11 +207,8 @@ fn a_robot_with_four_feet_is_told_on_which_it_can_stand() {
     ];
     let output = folder.run("inspect quadruped.urdf --support lf_foot --json");
     let said: Value = serde_json::from_str(&stdout(&output)).unwrap();
-    let note = said["notes"].as_array().unwrap().last().unwrap();
-    for word in words {
-        assert!(note.as_str().unwrap().contains(word), "{note}");
-        assert!(stderr(&output).contains(word));
-    }
+    says(texts(&said, "/notes").last().unwrap(), &words);
+    says(stderr(&output), &words);
     folder
         .stdout("simulate quadruped.urdf --support lf_foot --noise 0.001 --poses 3 --out log.csv");
     fs::remove_file(folder.join("log.csv.toml")).unwrap();

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use sesc_test_support::command::{Folder, op2, sesc, stderr, stdout};
+use sesc_test_support::command::{Folder, op2, rows, says, sesc, stderr, stdout};
 
 /// The OP2 in a folder with this `sesc.toml`.
 fn robot(defaults: &str) -> Folder {
@@ -19,16 +19,15 @@ fn options_of_the_robot_need_not_be_typed() {
     // Steps to take next have the path that was typed.
     let found = |text: String| text.split("\nnext ").next().unwrap().to_string();
     assert_eq!(found(stdout(&short)), found(stdout(&typed)));
-    let note = stderr(&short);
-    assert!(
-        note.contains("sesc.toml gives --support=r_sole --no-snap"),
-        "{note}"
+    says(
+        stderr(&short),
+        &["sesc.toml gives --support=r_sole --no-snap"],
     );
 
     // A number has no more digits than it was written with.
     folder.write("sesc.toml", "support = \"r_sole\"\nnoise = 1e-300\n");
     let note = stderr(&folder.run("diagnose op2.urdf --data log.csv"));
-    assert!(note.contains("--noise=1e-300"), "{note}");
+    says(note, &["--noise=1e-300"]);
 
     // What is typed wins, and is not in the note.
     let left = folder.run("inspect op2.urdf --support l_sole");
@@ -48,27 +47,19 @@ fn a_log_that_names_its_support_link_wins() {
     fs::remove_file(folder.join("log.csv.toml")).unwrap();
     let found = folder.run("fit op2.urdf --data log.csv");
     assert!(stdout(&found).starts_with("op2 on r_sole"));
-    let note = stderr(&found);
-    assert!(
-        note.contains("gives --support=r_sole --prior=tight"),
-        "{note}"
-    );
+    says(stderr(&found), &["gives --support=r_sole --prior=tight"]);
 }
 
 #[test]
 fn paths_are_relative_to_the_file() {
     let folder = Folder::empty();
     folder.write("robot/op2.urdf", fs::read(op2()).unwrap());
-    folder.write(
-        "robot/sesc.toml",
-        "support = \"r_sole\"\nlimits = \"limits.csv\"\n",
-    );
+    let defaults = "support = \"r_sole\"\nlimits = \"limits.csv\"\n";
+    folder.write("robot/sesc.toml", defaults);
     let plan = "plan robot/op2.urdf --poses 3 --out poses.csv";
     folder.refuses(plan, &["limits.csv"]);
-    folder.write(
-        "robot/limits.csv",
-        "joint,lower_rad,upper_rad\nhead_pan,-0.1,0.1\n",
-    );
+    let limits = "joint,lower_rad,upper_rad\nhead_pan,-0.1,0.1\n";
+    folder.write("robot/limits.csv", limits);
     folder.stdout(plan);
 }
 
@@ -76,45 +67,27 @@ fn paths_are_relative_to_the_file() {
 #[test]
 fn what_is_wrong_with_the_file_is_said_with_its_name_and_line() {
     let plan = "plan op2.urdf --poses 3 --out poses.csv";
-    for (text, line, words) in [
-        (
-            "suport = \"r_sole\"\n",
-            "inspect op2.urdf --json",
-            ["did you mean `support`?", "sesc.toml"],
-        ),
-        (
-            "support = 3\n",
-            "inspect op2.urdf --json",
-            ["`support`: give a text in quotes", "sesc.toml"],
-        ),
-        (
-            "noise = \"small\"\n",
-            "inspect op2.urdf",
-            ["`noise`: give a number", "sesc.toml"],
-        ),
-        (
-            "degrees = 1\n",
-            "inspect op2.urdf",
-            ["`degrees`: give true or false", "sesc.toml"],
-        ),
-        ("support = \n", "inspect op2.urdf", ["line 1", "sesc.toml"]),
-        (
-            "support = \"r_sole\"\n\nnoise = 5\n",
-            plan,
-            ["sesc.toml:3: `noise`", "0.005 for 5 mm"],
-        ),
-        (
-            "support = \"r_sole\"\nnoise = -0.001\n",
-            plan,
-            ["sesc.toml:2: `noise`", "above zero"],
-        ),
-        (
-            "\n motion = \"slow\"\n",
-            "fit op2.urdf --data l.csv",
-            ["sesc.toml:2: `motion`", "auto, off"],
-        ),
-    ] {
-        robot(text).refuses(line, &words);
+    let faults = rows(
+        "suport = 'r_sole'               | inspect op2.urdf --json | did you mean `support`?
+         support = 3                     | inspect op2.urdf --json | `support`: give a text in quotes
+         noise = 'small'                 | inspect op2.urdf | `noise`: give a number
+         degrees = 1                     | inspect op2.urdf | `degrees`: give true or false
+         support =                       | inspect op2.urdf | line 1
+         support = 'r_sole'//noise = 5   | plan op2.urdf --poses 3 --out poses.csv
+             | sesc.toml:3: `noise` | 0.005 for 5 mm
+         support = 'r_sole'/noise = -0.001 | plan op2.urdf --poses 3 --out poses.csv
+             | sesc.toml:2: `noise` | above zero
+         / motion = 'slow'               | fit op2.urdf --data l.csv
+             | sesc.toml:2: `motion` | auto, off",
+    );
+    for row in faults {
+        let cells: Vec<&str> = row.iter().map(String::as_str).collect();
+        let [text, line, words @ ..] = &cells[..] else {
+            panic!("{row:?}")
+        };
+        // A stroke ends a line.
+        let folder = robot(&(text.replace('/', "\n") + "\n"));
+        folder.refuses(line, &[&["sesc.toml"], words].concat());
     }
     let folder = robot("support = \"r_sole\"\nnoise = 0.001\n");
     let typed = format!("{plan} --noise 5");
@@ -129,5 +102,5 @@ fn options_of_the_file_give_way_to_those_that_contradict_them() {
     let sole = "--sole 0.03,0.02;-0.03,0.02;-0.03,-0.02;0.03,-0.02";
     let plan = "plan op2.urdf --poses 3 --candidates 50 --out poses.csv";
     let said = folder.stdout(&format!("{plan} {sole}"));
-    assert!(said.contains("a sole of 4 corners"), "{said}");
+    says(said, &["a sole of 4 corners"]);
 }

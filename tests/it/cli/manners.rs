@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use sesc_test_support::command::{Folder, op2, refused, sesc, stderr, stdout};
+use sesc_test_support::command::{Folder, op2, refused, rows, says, sesc, stderr, stdout};
 
 #[test]
 fn other_units_are_refused_with_what_was_meant() {
@@ -39,30 +39,18 @@ fn names_of_links_effects_and_targets_are_guessed() {
     let folder = Folder::with_log("--poses 40");
     let simulate = "simulate op2.urdf --support r_sole --poses 40 --out log.csv --hide";
     // 1.5 rad are 86° and 150 kg are fifty robots; whoever means them says so.
-    for (hidden, words) in [
-        (
-            "joint_ofset:r_knee=1deg",
-            ["did you mean", "`joint_offset`?"],
-        ),
-        ("joint_offset:r_knee=3mm", ["units deg", "offset_rad"]),
-        ("joint_offset:r_kne=1deg", ["did you mean", "`r_knee`?"]),
-        (
-            "joint_offset:r_knee=1.5",
-            ["1.5 rad (86°)", "1.5deg, or 1.5rad"],
-        ),
-        ("sensor_offset=3,0", ["3 m (3000 mm)", "3mm, or 3m"]),
-        (
-            "payload:body_link=150,0,0,0",
-            ["150 kg (the robot weighs 2.925 kg)", "150g, or 150kg"],
-        ),
-    ] {
-        folder.refuses(&format!("{simulate} {hidden}"), &words);
+    for row in rows(
+        "joint_ofset:r_knee=1deg | did you mean | `joint_offset`?
+         joint_offset:r_knee=3mm | units deg | offset_rad
+         joint_offset:r_kne=1deg | did you mean | `r_knee`?
+         joint_offset:r_knee=1.5 | 1.5 rad (86°) | 1.5deg, or 1.5rad
+         sensor_offset=3,0 | 3 m (3000 mm) | 3mm, or 3m
+         payload:body_link=150,0,0,0 | 150 kg (the robot weighs 2.925 kg) | 150g, or 150kg",
+    ) {
+        folder.refuses_each(&format!("{simulate} {}", row.join(" | ")));
     }
-    for hidden in [
-        "payload:body_link=0.15,0,0,0",
-        "joint_offset:r_knee=1.5rad",
-        "joint_offset:r_knee=0.02",
-    ] {
+    let meant = "payload:body_link=0.15,0,0,0 joint_offset:r_knee=1.5rad joint_offset:r_knee=0.02";
+    for hidden in meant.split(' ') {
         folder.stdout(&format!("{simulate} {hidden}"));
     }
     folder.write("prior.toml", "[links.body_lnik]\nmass = 0.1\n");
@@ -102,14 +90,8 @@ fn a_fit_that_misses_something_points_to_diagnose() {
     assert!(!plain.contains("sesc diagnose"), "{plain}");
     folder.simulate("--poses 60 --noise 0.0005 --hide joint_offset:r_knee=5deg --out log.csv");
     let bent = folder.stdout("fit op2.urdf --data log.csv");
-    assert!(
-        bent.contains("next             Diagnose the log: "),
-        "{bent}"
-    );
-    assert!(
-        bent.contains("sesc diagnose op2.urdf --data log.csv\n"),
-        "{bent}"
-    );
+    let command = "sesc diagnose op2.urdf --data log.csv\n";
+    says(bent, &["next             Diagnose the log: ", command]);
 }
 
 #[test]
@@ -174,8 +156,7 @@ fn xacro_files_are_expanded_where_xacro_is_installed_and_the_user_asks() {
         let output = run(&folders);
         assert!(stdout(&output).contains("op2"));
         let note = format!("note: {name} was expanded by xacro, which ran code of that file");
-        let said = stderr(&output);
-        assert!(said.contains(&note), "{said}");
+        says(stderr(&output), &[&note]);
         script("#!/bin/sh\necho 'XacroException: no such macro' >&2\nexit 2\n".into());
         refused(&run(&folders), &[name, "XacroException: no such macro"]);
     }
@@ -184,16 +165,14 @@ fn xacro_files_are_expanded_where_xacro_is_installed_and_the_user_asks() {
 #[test]
 fn shells_and_man_know_every_command() {
     let page = stdout(&sesc(&["man"]));
-    assert!(page.contains(".TH"), "{page}");
     let script = stdout(&sesc(&["completions", "bash"]));
     for command in "inspect generate fit diagnose compare fleet demo".split(' ') {
-        assert!(page.contains(&format!("sesc\\-{command}")), "{page}");
-        assert!(script.contains(command));
+        says(&page, &[".TH", &format!("sesc\\-{command}")]);
+        says(&script, &[command]);
     }
-    let fit = stdout(&sesc(&["man", "fit"]));
-    assert!(
-        fit.contains("sesc\\-fit") && fit.contains("\\-\\-data"),
-        "{fit}"
+    says(
+        stdout(&sesc(&["man", "fit"])),
+        &["sesc\\-fit", "\\-\\-data"],
     );
     refused(&sesc(&["man", "fot"]), &["`fot`", "fit"]);
 }
@@ -224,21 +203,19 @@ fn verdicts_stand_out_where_asked_programs_read_plain_text_and_quiet_ones_say_fa
 #[test]
 fn tables_of_a_robot_fit_a_wide_terminal_and_long_ones_are_asked_for() {
     let folder = Folder::with("op2");
-    let widest = |text: &str| {
-        let tables = text.lines().filter(|line| {
-            !line.contains(" moves to its parent ") && !line.contains(" sesc plan ")
-        });
-        tables.map(|line| line.chars().count()).max().unwrap()
-    };
     let text = folder.stdout("inspect op2.urdf --support r_sole");
-    assert!(widest(&text) <= 120, "{}", widest(&text));
-    assert!(text.contains("Ry(-r_knee)"));
+    for line in text.lines().filter(|line| !line.contains(" sesc plan ")) {
+        assert!(line.chars().count() <= 120, "{line}");
+    }
     // Twenty joints hide the same.
     assert_eq!(text.matches("moves to its parent").count(), 0);
-    assert!(text.contains("along the axis of each of 20 joints") && text.contains("r_knee"));
+    says(
+        &text,
+        &["along the axis of each of 20 joints", "Ry(-r_knee)"],
+    );
     let long = folder.stdout("inspect op2.urdf --support r_sole --long");
     assert_eq!(long.matches("moves to its parent").count(), 20);
-    assert!(long.contains("Rx(-r_ank_roll) Ry(r_ank_pitch) Ry(-r_knee)"));
+    says(long, &["Rx(-r_ank_roll) Ry(r_ank_pitch) Ry(-r_knee)"]);
     // One rounding, up, as in the headers of generated files.
     folder.stdout("generate op2.urdf --support r_sole --lang c --name op2 --out .");
     let snap = |text: &str| {

@@ -1,10 +1,9 @@
 //! Words and numbers of consoles and pages: for people, each once, and lists of no more than eight
 //! lines unless all are asked for.
 
-use std::process::Output;
-
 use serde_json::Value;
-use sesc_test_support::command::{Folder, ROOT, sesc, stderr, stdout};
+use sesc_test_support::command::{Folder, ROOT, list, says};
+use sesc_test_support::trees::Urdf;
 
 const SERVOS: &str = "[default]\nzero = 512\nresolution = 1024\n";
 
@@ -24,19 +23,12 @@ fn servo_lines_stand_only_where_servos_were_given() {
     };
     let zero = |json: &Value| json["steps"][0]["remedy"]["servo_zero"].clone();
     let (text, page, json) = said("");
-    assert!(
-        !text.contains("servo") && !page.contains("<dt>servo</dt>"),
-        "{text}"
-    );
+    assert!(!text.contains("servo") && !page.contains("<dt>servo</dt>"));
     assert!(zero(&json).is_null());
     folder.write("servos.toml", SERVOS);
     let (text, page, json) = said("--servos servos.toml");
-    assert!(
-        text.contains("  servo ")
-            && text.contains("zero 512 → 504")
-            && page.contains("<dt>servo</dt>"),
-        "{text}"
-    );
+    says(text, &["  servo ", "zero 512 → 504"]);
+    says(page, &["<dt>servo</dt>"]);
     assert_eq!(zero(&json)["before"], 512);
     // The settings of the robot give them, too.
     folder.write("sesc.toml", "servos = \"servos.toml\"\n");
@@ -51,27 +43,21 @@ fn two_corrections_of_the_reading_say_which_is_applied_first() {
          --hide sensor_offset=12mm,-9mm",
     );
     let json = folder.json("diagnose op2.urdf --data log.csv");
-    let steps = json["steps"].as_array().unwrap();
     let remedy = |effect: &str| {
-        let step = steps.iter().find(|step| step["effect"] == effect);
-        let step = step.unwrap_or_else(|| panic!("{}", json["sentence"]));
+        let mut steps = list(&json, "/steps").iter();
+        let step = steps.find(|step| step["effect"] == effect).expect(effect);
         step["remedy"]["sentence"].as_str().unwrap().to_string()
     };
     let [zero, turn] = ["sensor_offset", "sensor_rotation"].map(remedy);
     assert!(zero.ends_with("apply this one first"), "{zero}");
-    assert!(
-        turn.ends_with("apply this one second, to what the first gives"),
-        "{turn}"
-    );
+    let second = "apply this one second, to what the first gives";
+    assert!(turn.ends_with(second), "{turn}");
     // One sign: the way and a size.
-    assert!(
-        turn.contains("turned clockwise by ") && !turn.contains('−'),
-        "{turn}"
-    );
-    let sentence = json["sentence"].as_str().unwrap();
-    assert!(
-        sentence.contains("With them the held-out error is"),
-        "{sentence}"
+    says(&turn, &["turned clockwise by "]);
+    assert!(!turn.contains('−'), "{turn}");
+    says(
+        json["sentence"].to_string(),
+        &["With them the held-out error is"],
     );
 }
 
@@ -111,77 +97,44 @@ fn numbers_of_consoles_have_a_true_minus() {
 #[test]
 fn lists_of_inspect_are_short_and_long_lists_all() {
     let folder = Folder::empty();
-    let mut urdf =
-        "<robot name='hand'><link name='palm'><inertial><mass value='1'/></inertial></link>\
-        <link name='l0'><inertial><origin xyz='0.1 0 0.1'/><mass value='1'/></inertial></link>\
-        <joint name='j0' type='revolute'><parent link='palm'/><child link='l0'/><axis xyz='1 0 0'/>\
-        <limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
-            .to_string();
+    let mut hand = Urdf::new("hand").link("palm", 1.0, "0 0 0");
+    hand = hand.link("l0", 1.0, "0.1 0 0.1");
+    hand = hand.revolute("j0", ["palm", "l0"], "0 0 0", "1 0 0", 1.0);
     for k in 1..=12 {
-        urdf += &format!(
-            "<link name='l{k}'><inertial><origin xyz='0.1 0 0.1'/><mass value='1'/></inertial></link>\
-             <joint name='j{k}' type='revolute'><parent link='palm'/><child link='l{k}'/>\
-             <origin xyz='0 0.0{k} 0' rpy='0 1.5707963268 0'/><axis xyz='0 0 1'/><mimic joint='j0'/>\
-             <limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+        let more = format!(
+            "<origin xyz='0 0.0{k} 0' rpy='0 1.5707963268 0'/><axis xyz='0 0 1'/>\
+             <mimic joint='j0'/><limit lower='-1' upper='1'/>"
         );
+        let link = format!("l{k}");
+        hand = hand.link(&link, 1.0, "0.1 0 0.1");
+        hand = hand.joint(&format!("j{k}"), "revolute", ["palm", &link], &more);
     }
-    folder.write("hand.urdf", urdf + "</robot>");
+    folder.write("hand.urdf", hand.text());
     let inspect = "inspect hand.urdf --support palm";
-    let (short, long) = (
-        folder.stdout(inspect),
-        folder.stdout(&format!("{inspect} --long")),
-    );
+    let short = folder.stdout(inspect);
+    let long = folder.stdout(&format!("{inspect} --long"));
+    let words: Vec<&str> = short.split_whitespace().collect();
     let tied = "mimic joints tie its angle to theirs";
-    assert_eq!(
-        short
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ")
-            .matches(tied)
-            .count(),
-        1,
-        "{short}"
-    );
-    assert!(short.contains(" of this kind: `l"), "{short}");
-    assert!(
-        long.matches(" cannot be told from earlier parameters")
-            .count()
-            > 8,
-        "{long}"
-    );
+    assert_eq!(words.join(" ").matches(tied).count(), 1, "{short}");
+    let all = [
+        " of this kind: `l",
+        "snapped j1 and 11 more: ",
+        "and 6 more: --long lists all",
+    ];
+    says(&short, &all);
+    let told = long.matches(" cannot be told from earlier parameters");
+    assert!(told.count() > 8, "{long}");
     assert_eq!(short.matches("snapped ").count(), 1, "{short}");
-    assert!(short.contains("snapped j1 and 11 more: "), "{short}");
     assert_eq!(long.matches("snapped ").count(), 12, "{long}");
-    assert!(
-        short.contains("and 6 more: --long lists all") && !long.contains("--long"),
-        "{short}"
-    );
+    assert!(!long.contains("--long"));
     assert!(short.lines().count() < 60 && short.lines().count() < long.lines().count());
     // Every other line of the headers of generated code moves the CoM.
     folder.stdout("generate hand.urdf --support palm --lang c --name hand --out c");
     assert_eq!(folder.read("c/hand.h").matches("snapped ").count(), 1);
     let summary = short
         .lines()
-        .rev()
-        .find(|line| line.starts_with("hand on palm: "));
-    assert!(
-        summary.is_some_and(|line| line.contains("14 bodies, 1 independent joint")),
-        "{short}"
-    );
-}
-
-#[test]
-fn effects_are_listed_in_peoples_words_with_the_name_of_programs_beside() {
-    let table = stdout(&sesc(&["effects"]));
-    for words in [
-        "an offset of JOINT (joint_offset:JOINT)",
-        "an unknown mass on LINK (payload:LINK)",
-        "a slope of the ground (ground_slope)",
-        "(joint_swap:JOINT,JOINT)",
-        "(units:degrees)",
-    ] {
-        assert!(table.contains(words), "{words}: {table}");
-    }
+        .rfind(|line| line.starts_with("hand on palm: "));
+    says(summary.unwrap(), &["14 bodies, 1 independent joint"]);
 }
 
 /// Logs are no models.
@@ -190,39 +143,18 @@ fn a_comparison_of_logs_speaks_of_no_model() {
     let folder = knee();
     folder.simulate("--poses 60 --noise 0.0005 --seed 4 --out sound.csv");
     let text = folder.stdout("compare sound.csv log.csv --urdf op2.urdf --report page.html");
-    assert!(
-        text.contains("These effects appeared: an offset of r_knee (joint_offset:r_knee)"),
-        "{text}"
-    );
+    let appeared = "These effects appeared: an offset of r_knee (joint_offset:r_knee)";
+    says(&text, &[appeared]);
     let page = folder.read("page.html");
-    let page = page
-        .split("<body>")
-        .nth(1)
-        .unwrap()
-        .split("<script")
-        .next()
-        .unwrap();
-    for said in [&text, page] {
-        assert!(
-            !said.contains("second model") && !said.contains("either model"),
-            "{said}"
-        );
+    let (_, body) = page.split_once("<body>").unwrap();
+    for said in [&text, body.split("<script").next().unwrap()] {
+        assert!(!said.contains("second model") && !said.contains("either model"));
     }
     let json = folder.json("compare log.csv sound.csv --urdf op2.urdf");
-    let sentence = json["sentence"].as_str().unwrap();
-    assert!(
-        sentence.starts_with("These effects are gone: an offset of"),
-        "{sentence}"
+    says(
+        json["sentence"].to_string(),
+        &["\"These effects are gone: an offset of"],
     );
-}
-
-/// The one JSON object that a command prints with `--json`.
-fn object(command: &str, output: &Output) -> Value {
-    let text = String::from_utf8(output.stdout.clone()).unwrap();
-    let said = || format!("{command}: {text} {}", stderr(output));
-    let json: Value = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{}", said()));
-    assert!(json.is_object() && json["schema"] == 1, "{}", said());
-    json
 }
 
 /// Every command × every exit code that it has.
@@ -230,17 +162,9 @@ fn object(command: &str, output: &Output) -> Value {
 fn every_way_out_of_every_command_prints_one_json_object() {
     let folder = knee();
     // A dead axis cannot be used.
-    let log = folder.read("log.csv");
-    let mut lines = log.lines();
-    let head = lines.next().unwrap();
-    let x = head.split(',').position(|name| name == "cop_x").unwrap();
-    let dead = lines.map(|line| {
-        let mut cells: Vec<&str> = line.split(',').collect();
-        cells[x] = "0.01";
-        cells.join(",")
-    });
-    let dead = format!("{head}\n{}\n", dead.collect::<Vec<_>>().join("\n"));
-    folder.write("dead.csv", &dead);
+    let mut dead = folder.sheet("log.csv");
+    dead.set("cop_x", None, "0.01");
+    folder.write("dead.csv", dead.to_string());
     folder.write("dead.csv.toml", folder.read("log.csv.toml"));
     folder.write("broken/r1_monday.csv", "nonsense\n");
     folder.write("bad.toml", "robot = 3\n");
@@ -289,10 +213,8 @@ fn every_way_out_of_every_command_prints_one_json_object() {
     for line in table.lines().map(str::trim).filter(|line| !line.is_empty()) {
         let (code, command) = line.split_once(' ').unwrap();
         let command = command.replace("BAD", &bad);
-        let output = folder.run(&format!("{command} --json"));
-        let said = stderr(&output);
-        assert_eq!(output.status.code(), code.parse().ok(), "{command}: {said}");
-        let json = object(&command, &output);
+        let json = folder.json_of(code.parse().unwrap(), &command);
+        assert_eq!(json["schema"], 1, "{command}");
         match code {
             "2" => assert!(json["error"]["message"].is_string(), "{command}"),
             "1" if command.contains("dead.csv") => {

@@ -1,231 +1,136 @@
 //! The model file and the corrected URDF against the virtual robot.
 
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde_json::Value;
-use sesc_reference::{Place, Reference, Robot, World};
-use sesc_test_support::command::{folder, op2, sesc, stdout, write};
-use sesc_test_support::hidden::{Effect, Hidden, NOWHERE};
+use sesc_reference::{Place, Reference, World};
+use sesc_test_support::command::{Folder, Sheet, list, number, printed, says};
+use sesc_test_support::hidden::{Effect, NOWHERE};
+use sesc_test_support::stage::{Platform, Stage};
 
-use super::asking::*;
+use super::{as_agreed, diagnose, labels, logged};
 
 /// CoP by `sesc predict`, angles of the URDF taken literally as the reference does.
-fn predicted(urdf: &str, more: &[&str]) -> Vec<[f64; 2]> {
-    let text = stdout(&sesc(&[&["predict", urdf, "--no-snap"][..], more].concat()));
-    let rows = text.lines().skip(1).map(|line| {
-        let cells: Vec<f64> = line.split(',').map(|x| x.parse().unwrap()).collect();
-        [cells[4], cells[5]]
-    });
-    rows.collect()
+fn predicted(folder: &Folder, line: &str) -> Vec<[f64; 2]> {
+    Sheet::read(&folder.stdout(&format!("predict --no-snap {line}"))).cop()
 }
 
-pub fn worst(found: &[[f64; 2]], truth: &[[f64; 2]]) -> f64 {
+/// Largest distance along an axis, m.
+fn worst(found: &[[f64; 2]], truth: &[[f64; 2]]) -> f64 {
     assert_eq!(found.len(), truth.len());
     let gaps = found.iter().zip(truth);
-    gaps.flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]])
-        .fold(0.0, |worst: f64, gap| worst.max(gap.abs()))
+    let gaps = gaps.flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]]);
+    gaps.fold(0.0, |worst: f64, gap| worst.max(gap.abs()))
 }
 
-/// A log with three effects, diagnosed with masses beyond doubt: the world of the
-/// values in the model file is what every output has to agree with.
-pub struct Told {
-    folder: tempfile::TempDir,
-    pub log: String,
+/// A log with effects, diagnosed with masses beyond doubt: the world of the values in the model file
+/// is what every output has to agree with.
+struct Told {
+    folder: Folder,
     said: Value,
-    pub world: World,
-    pub q: Vec<Vec<f64>>,
+    q: Vec<Vec<f64>>,
+    /// What that world reads, m.
+    truth: Vec<[f64; 2]>,
 }
 
-impl Told {
-    pub fn path(&self, name: &str) -> String {
-        self.folder.path().join(name).display().to_string()
+fn told(hidden: &[(Effect, &str, f64)]) -> Told {
+    let folder = logged(hidden);
+    folder.write("prior.toml", "[default]\nmass = 0.0\ncom = 0.0\n");
+    let outputs = "--out model.toml --urdf corrected.urdf --report report.html --next next.csv";
+    let said = diagnose(&folder, &format!("--no-snap --prior prior.toml {outputs}"));
+    let stage = Stage::new(Platform::Op2);
+    let mut world = World::new(&stage.robot, "r_sole").unwrap();
+    let file = folder.toml("model.toml");
+    for effect in file["effects"].as_array().unwrap() {
+        // Each of those that are hidden has one parameter.
+        let parameters = effect["parameters"].as_table().unwrap().values();
+        let values: Vec<f64> = parameters.map(|x| x["value"].as_float().unwrap()).collect();
+        let place = match effect["target"].as_str().unwrap() {
+            NOWHERE => Place::Whole,
+            joint => Place::Joint(joint),
+        };
+        let name = effect["effect"].as_str().unwrap();
+        world = world.named(name, place, &values).unwrap();
     }
-}
-
-pub fn told(truth: Vec<Hidden>) -> Told {
-    let folder = folder();
-    let log = logged(folder.path(), "log", truth);
-    let prior = write(
-        folder.path(),
-        "prior.toml",
-        "[default]\nmass = 0.0\ncom = 0.0\n",
-    );
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let [model, urdf, report, next] =
-        ["model.toml", "corrected.urdf", "report.html", "next.csv"].map(path);
-    let outputs = [
-        "--out", &model, "--urdf", &urdf, "--report", &report, "--next", &next,
-    ];
-    let said = diagnose(
-        &log,
-        &[&["--no-snap", "--prior", &prior][..], &outputs].concat(),
-    );
-    let file: toml::Table = fs::read_to_string(&model).unwrap().parse().unwrap();
-    let robot = Robot::from_file(Path::new(&op2())).unwrap();
-    let effects = file.get("effects").and_then(toml::Value::as_array).cloned();
-    let world = World::new(&robot, "r_sole").unwrap();
-    let world = effects
-        .unwrap_or_default()
-        .iter()
-        .fold(world, |world, effect| {
-            // Each of those that are hidden has one parameter.
-            let parameters = effect["parameters"].as_table().unwrap().values();
-            let values: Vec<f64> = parameters.map(|x| x["value"].as_float().unwrap()).collect();
-            let place = match effect["target"].as_str().unwrap() {
-                NOWHERE => Place::Whole,
-                joint => Place::Joint(joint),
-            };
-            let name = effect["effect"].as_str().unwrap();
-            world.named(name, place, &values).unwrap()
-        });
-    let joints: Vec<String> = robot.movable_joints().map(|j| j.name.clone()).collect();
-    let q = postures(&log, &joints);
+    let q = folder.sheet("log.csv").numbers(&stage.joint_names());
     Told {
-        log,
-        said,
-        world,
-        q,
+        truth: q.iter().map(|q| world.cop(q)).collect(),
         folder,
-    }
-}
-
-impl Told {
-    pub fn truth(&self) -> Vec<[f64; 2]> {
-        self.q.iter().map(|q| self.world.cop(q)).collect()
+        said,
+        q,
     }
 }
 
 #[test]
 fn the_model_file_predicts_what_was_diagnosed_here_and_in_c() {
-    let told = told(vec![
-        hidden(Effect::JointScale, "r_ank_roll", &[0.2]),
-        hidden(Effect::SensorRotation, NOWHERE, &[0.15]),
+    let told = told(&[
+        (Effect::JointScale, "r_ank_roll", 0.2),
+        (Effect::SensorRotation, NOWHERE, 0.15),
     ]);
     // The file holds what was said, to the last digit.
-    let file: toml::Table = fs::read_to_string(told.path("model.toml"))
-        .unwrap()
-        .parse()
-        .unwrap();
-    for step in told.said["steps"].as_array().unwrap() {
-        let effects = file["effects"].as_array().unwrap();
-        let mut effects = effects.iter();
-        let own = effects
-            .find(|e| e["effect"].as_str() == step["effect"].as_str())
-            .unwrap();
-        for (name, said) in step["parameters"].as_object().unwrap() {
-            for key in ["value", "std"] {
-                let held = own["parameters"][name.as_str()][key].as_float();
-                assert_eq!(held, said[key].as_f64(), "{name}");
-            }
-        }
+    let file = told.folder.toml("model.toml");
+    let effects = serde_json::to_value(&file["effects"]).unwrap();
+    for step in list(&told.said, "/steps") {
+        let mut effects = list(&effects, "").iter();
+        let own = effects.find(|e| e["effect"] == step["effect"]).unwrap();
+        assert_eq!(own["parameters"], step["parameters"]);
     }
     let mut labels = labels(&told.said);
     labels.sort();
     assert_eq!(labels, ["joint_scale:r_ank_roll", "sensor_rotation"]);
-    let model = told.path("model.toml");
-    let found = predicted(&op2(), &["--model", &model, "--data", &told.log]);
-    let truth = told.truth();
-    assert!(worst(&found, &truth) < 1e-12, "{:e}", worst(&found, &truth));
+    let found = predicted(&told.folder, "op2.urdf --model model.toml --data log.csv");
+    assert!(worst(&found, &told.truth) < 1e-12);
     // Judged by what the log reads, it leaves what was said.
-    let header = fs::read_to_string(&told.log).unwrap();
-    let header: Vec<String> = header
-        .lines()
-        .next()
-        .unwrap()
-        .split(',')
-        .map(Into::into)
-        .collect();
-    assert!(header.contains(&"cop_x".to_string()));
-    let read = postures(&told.log, &["cop_x".into(), "cop_y".into()]);
-    let squares: f64 = read
-        .iter()
-        .zip(&found)
-        .map(|(y, p)| (y[0] - p[0]).powi(2) + (y[1] - p[1]).powi(2))
-        .sum();
-    let rmse = (squares / (2.0 * read.len() as f64)).sqrt();
+    let read = told.folder.sheet("log.csv").cop();
+    let gaps = read.iter().zip(&found);
+    let squares = gaps.map(|(y, p)| (y[0] - p[0]).powi(2) + (y[1] - p[1]).powi(2));
+    let rmse = (squares.sum::<f64>() / (2.0 * read.len() as f64)).sqrt();
     // Held out it is a little more: two unknowns of 200 readings.
-    let last = number(&told.said["final"]["rmse"]);
+    let last = number(&told.said, "/final/rmse");
     assert!(last >= rmse && last < 1.04 * rmse, "{last:e} and {rmse:e}");
-    let c = in_c(&told);
-    assert!(worst(&c, &truth) < 1e-12, "{:e}", worst(&c, &truth));
+    assert!(worst(&in_c(&told), &told.truth) < 1e-12);
 }
 
 /// `NAME_model_cop` of the generated C over the log's postures.
 fn in_c(told: &Told) -> Vec<[f64; 2]> {
-    let out = told.path("c");
-    let model = told.path("model.toml");
-    let urdf = op2();
-    let name = ["--lang", "c", "--scalar", "f64", "--name", "told"];
-    let files = ["--out", &out, "--model", &model];
-    let robot = ["generate", &urdf, "--support", "r_sole", "--no-snap"];
-    stdout(&sesc(&[&robot[..], &name, &files].concat()));
-    let rows: Vec<String> = told
-        .q
-        .iter()
-        .map(|q| {
-            format!(
-                "{{{}}}",
-                q.iter()
-                    .map(|x| format!("{x:?}"))
-                    .collect::<Vec<_>>()
-                    .join(",")
-            )
-        })
-        .collect();
-    let main = format!(
-        "#include <stdio.h>\n#include \"told.h\"\nstatic const double q[][told_DOF] = {{{}}};\n\
-         int main(void) {{ for (unsigned k = 0; k < sizeof q / sizeof *q; k++) {{ double cop[2]; \
-         told_model_cop(q[k], cop); printf(\"%.17g %.17g\\n\", cop[0], cop[1]); }} return 0; }}\n",
-        rows.join(",\n")
+    let folder = &told.folder;
+    folder.stdout(
+        "generate op2.urdf --support r_sole --no-snap --lang c --scalar f64 --name told --out . \
+         --model model.toml",
     );
-    write(Path::new(&out), "main.c", main);
-    let program = PathBuf::from(&out).join("main");
-    let built = Command::new("cc")
-        .args(["-O1", "-o"])
-        .arg(&program)
-        .args([format!("{out}/main.c"), format!("{out}/told.c")])
-        .arg("-lm")
-        .status()
-        .unwrap();
-    assert!(built.success());
-    let said = Command::new(program).output().unwrap();
-    let text = String::from_utf8(said.stdout).unwrap();
-    text.lines()
-        .map(|line| {
-            let (x, y) = line.split_once(' ').unwrap();
-            [x.parse().unwrap(), y.parse().unwrap()]
-        })
-        .collect()
+    let main = format!(
+        "#include <stdio.h>\n#include \"told.h\"\nstatic const double q[][told_DOF] = {};\n\
+         int main(void) {{ for (unsigned k = 0; k < sizeof q / sizeof *q; k++) {{ double cop[2]; \
+         told_model_cop(q[k], cop); printf(\"%.17g,%.17g\\n\", cop[0], cop[1]); }} return 0; }}\n",
+        format!("{:?}", told.q).replace('[', "{").replace(']', "}")
+    );
+    folder.write("main.c", main);
+    let mut cc = Command::new("cc");
+    cc.args(["-O1", "main.c", "told.c", "-lm", "-o", "main"]);
+    printed(cc.current_dir(folder.path()));
+    let rows = printed(&mut Command::new(folder.join("main")));
+    Sheet::read(&format!("cop_x,cop_y\n{rows}")).cop()
 }
 
 #[test]
 fn the_corrected_urdf_needs_no_effect_and_the_next_postures_stand() {
-    let told = told(vec![hidden(Effect::JointOffset, "r_ank_pitch", &[-0.01])]);
+    let told = told(&[(Effect::JointOffset, "r_ank_pitch", -0.01)]);
+    let folder = &told.folder;
     as_agreed(&told.said);
-    let truth = told.truth();
-    let file = fs::read_to_string(told.path("model.toml")).unwrap();
-    assert!(file.contains("joint_offset"), "{}", told.said["sentence"]);
-    let corrected = told.path("corrected.urdf");
-    let found = predicted(&corrected, &["--support", "r_sole", "--data", &told.log]);
-    assert!(worst(&found, &truth) < 1e-9, "{:e}", worst(&found, &truth));
+    says(folder.read("model.toml"), &["joint_offset"]);
+    let found = predicted(folder, "corrected.urdf --support r_sole --data log.csv");
+    assert!(worst(&found, &told.truth) < 1e-9);
     // The postures that would tell more.
     assert_eq!(told.said["verdict"], "class");
-    let next = told.path("next.csv");
-    assert_eq!(told.said["next_postures"]["file"], next.as_str());
-    let side: toml::Table = fs::read_to_string(told.path("next.csv.toml"))
-        .unwrap()
-        .parse()
-        .unwrap();
-    let support = side["support"].as_str().unwrap();
-    let robot = Robot::from_file(Path::new(&op2())).unwrap();
+    assert_eq!(told.said["next_postures"]["file"], "next.csv");
+    let side = folder.toml("next.csv.toml");
+    let robot = Stage::new(Platform::Op2).robot;
+    let reference = Reference::new(&robot, side["support"].as_str().unwrap()).unwrap();
     let joints: Vec<String> = robot.movable_joints().map(|j| j.name.clone()).collect();
-    let reference = Reference::new(&robot, support).unwrap();
     let limits: Vec<(f64, f64)> = robot.movable_joints().map(|j| j.range()).collect();
-    let asked = postures(&next, &joints);
+    let asked = folder.sheet("next.csv").numbers(&joints);
     assert!(asked.len() >= 30);
-    let found = predicted(&op2(), &["--data", &next]);
+    let found = predicted(folder, "op2.urdf --data next.csv");
     for (q, found) in asked.iter().zip(&found) {
         let com = reference.com(q);
         assert!((com.x - found[0]).abs() < 1e-12 && (com.y - found[1]).abs() < 1e-12);
@@ -235,17 +140,11 @@ fn the_corrected_urdf_needs_no_effect_and_the_next_postures_stand() {
             assert!((low - 1e-9..=high + 1e-9).contains(q));
         }
     }
-    let page = fs::read_to_string(told.path("report.html")).unwrap();
-    for word in [
-        "src=\"http",
-        "href=\"http",
-        "@import",
-        "url(http",
-        "<script src",
-        "<link",
-    ] {
+    let page = folder.read("report.html");
+    for word in "src=\"http href=\"http @import url(http <link".split(' ') {
         assert!(!page.contains(word), "{word}");
     }
+    assert!(!page.contains("<script src"));
     assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
-    assert!(page.contains("r_ank_pitch"));
+    says(page, &["r_ank_pitch"]);
 }

@@ -2,23 +2,19 @@
 
 mod formats;
 mod keys;
+mod readme;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use sesc_test_support::command::{ROOT, folder, program};
+use sesc_test_support::command::{ROOT, folder, program, says};
 
 /// Every page that a reader meets.
 fn pages() -> Vec<PathBuf> {
     let root = Path::new(ROOT);
-    let top = [
-        "README.md",
-        "ARCHITECTURE.md",
-        "CONTRIBUTING.md",
-        "CHANGELOG.md",
-    ];
-    let mut pages: Vec<PathBuf> = top.iter().map(|name| root.join(name)).collect();
+    let top = "README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md".split(' ');
+    let mut pages: Vec<PathBuf> = top.map(|name| root.join(name)).collect();
     for folder in ["docs", "docs/effects"] {
         let docs = fs::read_dir(root.join(folder)).unwrap();
         let docs = docs.map(|entry| entry.unwrap().path());
@@ -85,11 +81,7 @@ fn links_between_pages_resolve() {
             seen += 1;
             if !place.is_empty() {
                 let there = anchors(&fs::read_to_string(&target).unwrap());
-                assert!(
-                    there.iter().any(|name| name == place),
-                    "{}: {link}; there is {there:?}",
-                    page.display()
-                );
+                assert!(there.contains(&place.to_string()), "{link}: {there:?}");
                 places += 1;
             }
         }
@@ -109,13 +101,8 @@ fn every_page_is_a_chapter_of_the_book() {
         assert!(text.starts_with("# "), "{}", chapter.display());
         for link in links(&text).iter().filter(|link| !link.starts_with("http")) {
             let file = link.split('#').next().unwrap();
-            let mut depth = chapter
-                .parent()
-                .unwrap()
-                .strip_prefix(&docs)
-                .unwrap()
-                .components()
-                .count();
+            let folder = chapter.parent().unwrap().strip_prefix(&docs).unwrap();
+            let mut depth = folder.components().count();
             for step in file.split('/') {
                 match step {
                     ".." => depth = depth.checked_sub(1).expect("a link out of the book"),
@@ -151,10 +138,8 @@ fn the_tutorial_runs() {
                 let said: String = printed.split_whitespace().collect::<Vec<_>>().join(" ");
                 let mut rest = said.as_str();
                 for expected in text.lines() {
-                    let (_, after) = rest
-                        .split_once(expected)
-                        .unwrap_or_else(|| panic!("{expected}\n{rest}"));
-                    rest = after;
+                    let found = rest.split_once(expected);
+                    rest = found.unwrap_or_else(|| panic!("{expected}\n{rest}")).1;
                     compared += 1;
                 }
                 printed.clear();
@@ -163,13 +148,7 @@ fn the_tutorial_runs() {
         }
     }
     assert!(compared > 12, "{compared}");
-    for written in [
-        "poses.csv",
-        "fit.html",
-        "report.html",
-        "model.toml",
-        "fw/op2.c",
-    ] {
+    for written in "poses.csv fit.html report.html model.toml fw/op2.c".split(' ') {
         assert!(folder.path().join(written).exists(), "{written}");
     }
     the_program_in_c_runs(folder.path());
@@ -190,32 +169,21 @@ fn the_program_in_c_runs(folder: &Path) {
         let command = command.split("  #").next().unwrap().trim();
         assert!(tutorial.contains(command), "{command}");
     }
-    let said = shown[0]
-        .lines()
-        .find(|line| line.starts_with("Missing"))
-        .unwrap();
-    assert!(tutorial.contains(said), "{said}");
+    let said = shown[0].lines().find(|line| line.starts_with("Missing"));
+    says(&tutorial, &[said.unwrap()]);
     let program = &blocks(&readme, "c")[0];
     assert_eq!(program, &blocks(&read("docs/firmware.md"), "c")[0]);
     fs::write(folder.join("main.c"), program).unwrap();
-    run(
-        folder,
-        "cc -std=c99 -Wall -Wextra -Werror -Ifw main.c fw/op2.c -o main",
-    );
-    let printed = run(folder, "./main");
-    assert!(
-        printed.ends_with(" mm\n") && printed.split(' ').count() == 4,
-        "{printed}"
-    );
+    let cc = "cc -std=c99 -Wall -Wextra -Werror -Ifw main.c fw/op2.c -o main";
+    let printed = run(folder, &format!("{cc} && ./main"));
+    assert!(printed.ends_with(" mm\n"), "{printed}");
+    assert_eq!(printed.split(' ').count(), 4, "{printed}");
 }
 
 /// What stands between fences of this kind.
 fn blocks(text: &str, kind: &str) -> Vec<String> {
-    let fence = format!("```{kind}\n");
-    let parts = text.split(&fence).skip(1);
-    parts
-        .map(|part| part.split("```").next().unwrap().to_string())
-        .collect()
+    let fences = fences(text).into_iter().filter(|fence| fence.0 == kind);
+    fences.map(|(_, block)| block.to_string()).collect()
 }
 
 /// A line of a shell in `folder`, where `sesc` is the one under test; what it printed.

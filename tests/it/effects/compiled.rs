@@ -1,8 +1,6 @@
 //! One model file, several ways to its readings: `sesc predict` and the tape, whose bits compiled C
 //! has here, and compiled Rust in `tests/it/compiled.rs`.
 
-use std::fmt::Write as _;
-
 use sesc_codegen::emit::c::Scalar;
 use sesc_identify::evaluate::Evaluator;
 use sesc_model::effects::Catalog;
@@ -11,13 +9,12 @@ use sesc_model::{Function, Given};
 use super::correction::{file, with};
 use super::hidden::Hidden;
 use super::robots::{Stand, distance};
-use crate::c99::bits::{rust, same};
+use crate::c99::bits::has_the_bits_of_rust;
 use crate::c99::case::{Case, jobs, servos};
 use crate::c99::compiled::{Compiled, parallel};
 use crate::c99::draw::draw;
-use crate::c99::entry::Entry;
 use crate::c99::fixed::trapping;
-use sesc_test_support::command::{Folder, scratch};
+use sesc_test_support::command::{Folder, Sheet, scratch};
 
 /// Each effect by itself.
 pub fn alone(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
@@ -32,36 +29,25 @@ pub fn alone(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
 
 /// Three effects of the OP2 at a time.
 pub fn together(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
-    let context = stand.context();
-    let named = |effect: &str, target: &str, values: &[f64]| {
-        Hidden::named(&context, effect, target, values)
-    };
-    vec![
-        (
-            "three_of_the_robot".to_string(),
-            vec![
-                named("joint_compliance", "all", &[400.0]),
-                named("backlash", "r_knee", &[0.02]),
-                named("payload", "body_link", &[0.4, 0.02, 0.0, 0.05]),
-            ],
-        ),
-        (
-            "three_of_the_sensor".to_string(),
-            vec![
-                named("cell_gain", "fsr_2", &[0.7]),
-                named("sensor_rotation", "-", &[-0.2]),
-                named("sensor_offset", "-", &[0.004, -0.003]),
-            ],
-        ),
-        (
-            "three_of_all".to_string(),
-            vec![
-                named("joint_offset", "l_knee", &[0.05]),
-                named("ground_slope", "-", &[0.02, -0.01]),
-                named("units", "millimetres", &[]),
-            ],
-        ),
-    ]
+    let robot = vec![
+        stand.hidden("joint_compliance", "all", &[400.0]),
+        stand.hidden("backlash", "r_knee", &[0.02]),
+        stand.hidden("payload", "body_link", &[0.4, 0.02, 0.0, 0.05]),
+    ];
+    let sensor = vec![
+        stand.hidden("cell_gain", "fsr_2", &[0.7]),
+        stand.hidden("sensor_rotation", "-", &[-0.2]),
+        stand.hidden("sensor_offset", "-", &[0.004, -0.003]),
+    ];
+    let all = vec![
+        stand.hidden("joint_offset", "l_knee", &[0.05]),
+        stand.hidden("ground_slope", "-", &[0.02, -0.01]),
+        stand.hidden("units", "millimetres", &[]),
+    ];
+    let three = [("robot", robot), ("sensor", sensor), ("all", all)];
+    three
+        .map(|(of, hidden)| (format!("three_of_the_{of}"), hidden))
+        .into()
 }
 
 /// Ways of one formula that round differently, m (or the record's unit).
@@ -74,26 +60,23 @@ fn predictions_are_those_of_the_tape() {
     let folder = Folder::with("op2");
     let postures = stand.postures_inside(POSTURES);
     let joints = stand.model.tree.dofs.iter().map(|dof| dof.joint.as_str());
-    let mut text = format!("pose,{}\n", joints.collect::<Vec<_>>().join(","));
-    for (pose, q) in postures.iter().enumerate() {
-        let row: Vec<String> = q.iter().map(|x| format!("{x:?}")).collect();
-        let _ = writeln!(text, "{pose},{}", row.join(","));
-    }
-    folder.write("postures.csv", text);
+    let mut sheet = Sheet::read(&(joints.collect::<Vec<_>>().join(",") + "\n"));
+    let texts = postures
+        .iter()
+        .map(|q| q.iter().map(|x| format!("{x:?}")).collect());
+    sheet.rows = texts.collect();
+    folder.write("postures.csv", sheet.to_string());
     let nominal = Evaluator::new(&stand.model, Function::Cop).run(&postures.concat(), POSTURES);
     for (name, hidden) in alone(&stand).into_iter().chain(together(&stand)) {
         let text = toml::to_string(&file(&stand, &hidden)).unwrap();
         folder.write("model.toml", text);
         let predict = "predict op2.urdf --no-snap --model model.toml --data postures.csv";
-        let printed = folder.stdout(predict);
+        let predicted = Sheet::read(&folder.stdout(predict)).cop();
         let model = with(&stand, &hidden);
         let tape = Evaluator::new(&model, Function::Cop).run(&postures.concat(), POSTURES);
-        assert_eq!(printed.lines().count(), 1 + POSTURES);
+        assert_eq!(predicted.len(), POSTURES);
         let (mut off, mut moved) = (0.0_f64, 0.0_f64);
-        for (k, row) in printed.lines().skip(1).enumerate() {
-            let mut cells = row.rsplit(',').map(|x| x.parse::<f64>().unwrap());
-            let y = cells.next().unwrap();
-            let predicted = [cells.next().unwrap(), y];
+        for (k, predicted) in predicted.into_iter().enumerate() {
             let [way, bare] = [&tape, &nominal].map(|all| [all[2 * k], all[2 * k + 1]]);
             off = off.max(distance(way, predicted));
             moved = moved.max(distance(bare, predicted));
@@ -128,19 +111,11 @@ fn every_effect_in_c_has_the_bits_of_the_tape() {
         let call = format!("{}_correct_cop(reading, cop);", case.name);
         assert_eq!(source.contains(&call), corrects(case), "{}", case.name);
         let entries = case.entries(scalar);
-        let entries: Vec<&Entry> = entries.iter().collect();
         let compiled = match scalar {
             Scalar::Fixed32 => trapping(&folder, case),
             _ => Compiled::plain(&folder, case, scalar, "cc", "-O1"),
         };
         let drawn = draw(case, 60, 41, &*compiled.hold());
-        let found = compiled.run(case, &entries, &drawn);
-        for (entry, found) in entries.iter().zip(&found) {
-            if scalar != Scalar::Fixed32 {
-                let name = format!("{}_{} {scalar:?}", case.name, entry.name);
-                let tape = rust(case, scalar, entry, &drawn);
-                same(&name, found, &tape, entry.given.is_some());
-            }
-        }
+        has_the_bits_of_rust(case, scalar, &compiled, &entries, &drawn);
     });
 }

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::process::Command;
 
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
 use sesc::verify::verify;
 use sesc_codegen::emit::c::{self, Options, Scalar};
 use sesc_codegen::emit::rust;
@@ -16,14 +18,16 @@ use sesc_model::expr::Expr;
 use sesc_model::{EffectRecord, Function, Given, Model, ModelFile, Quantity};
 use sesc_reference::{GRAVITY, World};
 use sesc_test_support::child::Child;
-use sesc_test_support::command::{Folder, fresh};
+use sesc_test_support::command::{Folder, fresh, says};
+use sesc_test_support::recording::{Recording, normal};
 
+use super::correction::with as with_effects;
 use super::robots::{Stand, run, urdf};
-use crate::c99::bits::{bounded, rust as by_tape, same};
+use crate::c99::bits::{bounded, has_the_bits_of_rust};
+use crate::c99::bounds::largest;
 use crate::c99::case::{Case, SCALARS, servos};
-use crate::c99::compiled::{Compiled, SEPARATE, WARNINGS, parallel, printed, tool};
+use crate::c99::compiled::{Compiled, SEPARATE, WARNINGS, parallel, printed};
 use crate::c99::draw::draw;
-use crate::c99::entry::Entry;
 use crate::c99::fixed::trapping;
 
 /// What rounding and joints that come to rest leave, m.
@@ -41,15 +45,14 @@ pub fn record(
     values: &[(&str, f64)],
 ) -> EffectRecord {
     let quantity = |value: f64| Quantity { value, std: None };
+    let parameters = values.iter();
+    let parameters = parameters.map(|(name, value)| (name.to_string(), quantity(*value)));
     EffectRecord {
         effect: name.to_string(),
         target: target.to_string(),
         site: Some(site),
         function: Some(function.to_string()),
-        parameters: values
-            .iter()
-            .map(|(name, value)| (name.to_string(), quantity(*value)))
-            .collect(),
+        parameters: parameters.collect(),
         ..EffectRecord::default()
     }
 }
@@ -68,133 +71,111 @@ fn with(model: &Model, cells: &[[f64; 2]], records: Vec<EffectRecord>) -> Model 
 /// What an effect does to the virtual robot.
 type Bend = Box<dyn Fn(World, &dyn Fn(&str) -> usize) -> World>;
 
-/// Effects of the OP2 with what they do to it, in other words.
-fn cases() -> Vec<(EffectRecord, Bend)> {
-    let joint = |target: &str, function: &str, values: &[(&str, f64)]| {
-        record("own", target, (Site::Joint, function), values)
+/// How far a joint errs by angles (rad) and moments (N m): its own, and those of another joint.
+type Error = fn([f64; 2], [f64; 2]) -> f64;
+
+/// An effect of a joint.
+fn of_joint(
+    [joint, other]: [&'static str; 2],
+    function: &str,
+    values: &[(&str, f64)],
+    error: Error,
+) -> (EffectRecord, Bend) {
+    let bend = move |world: World, at: &dyn Fn(&str) -> usize| {
+        let places = [at(joint), at(other)];
+        let error =
+            move |q: &[f64], tau: &[f64]| error(places.map(|k| q[k]), places.map(|k| tau[k]));
+        world.joint_function(joint, error).unwrap()
     };
-    let mut held = joint("r_knee", "a * sin(6 * q)", &[("a", 0.02)]);
-    held.range = BTreeMap::from([("q".to_string(), [-0.1, 0.15])]);
-    vec![
-        (
-            joint("r_knee", "amplitude * sin(6.0 * q)", &[("amplitude", 0.02)]),
-            Box::new(|world, at| {
-                let k = at("r_knee");
-                world
-                    .joint_function("r_knee", move |q, _| 0.02 * (6.0 * q[k]).sin())
-                    .unwrap()
-            }),
-        ),
-        (
-            held,
-            Box::new(|world, at| {
-                let k = at("r_knee");
-                let wave = move |q: &[f64], _: &[f64]| 0.02 * (6.0 * q[k].clamp(-0.1, 0.15)).sin();
-                world.joint_function("r_knee", wave).unwrap()
-            }),
-        ),
-        (
-            joint("r_knee", "k * q[\"r_hip_roll\"]", &[("k", 0.07)]),
-            Box::new(|world, at| {
-                let k = at("r_hip_roll");
-                world
-                    .joint_function("r_knee", move |q, _| 0.07 * q[k])
-                    .unwrap()
-            }),
-        ),
-        (
-            joint(
-                "r_knee",
-                "stiffness * max(q - start, 0)",
-                &[("stiffness", 0.2), ("start", 0.05)],
-            ),
-            Box::new(|world, at| {
-                let k = at("r_knee");
-                let pull = move |q: &[f64], _: &[f64]| match q[k] > 0.05 {
-                    true => 0.2 * (q[k] - 0.05),
-                    false => 0.0,
-                };
-                world.joint_function("r_knee", pull).unwrap()
-            }),
-        ),
-        (
-            joint("r_ank_pitch", "k * tau * abs(tau)", &[("k", 0.01)]),
-            Box::new(|world, at| {
-                let k = at("r_ank_pitch");
-                let spring = move |_: &[f64], tau: &[f64]| 0.01 * tau[k] * tau[k].abs();
-                world.joint_function("r_ank_pitch", spring).unwrap()
-            }),
-        ),
-        (
-            joint(
-                "r_knee",
-                "c * tau[\"r_ank_pitch\"] + d * q * tau",
-                &[("c", 0.005), ("d", -0.01)],
-            ),
-            Box::new(|world, at| {
-                let (j, k) = (at("r_knee"), at("r_ank_pitch"));
-                let cross = move |q: &[f64], tau: &[f64]| 0.005 * tau[k] - 0.01 * q[j] * tau[j];
-                world.joint_function("r_knee", cross).unwrap()
-            }),
-        ),
-        (
-            record("own", "x", (Site::Sensor, "c * x * y"), &[("c", 3.0)]),
-            Box::new(|world, _| world.sensor_function(0, |[x, y]| 3.0 * x * y)),
-        ),
-        (
-            record(
-                "own",
-                "y",
-                (Site::Sensor, "c * abs(x) - d * pow(y, 2)"),
-                &[("c", 0.01), ("d", 1.5)],
-            ),
-            Box::new(|world, _| world.sensor_function(1, |[x, y]| 0.01 * x.abs() - 1.5 * y * y)),
-        ),
-        (
-            record("own", "y", (Site::Ground, "s * exp(-t)"), &[("s", 0.02)]),
-            Box::new(|world, _| world.ground_slope([0.0, 0.02]).unwrap()),
-        ),
-        (
-            record(
-                "own",
-                "x",
-                (Site::Ground, "s * x + u * y * y"),
-                &[("s", 0.3), ("u", 2.0)],
-            ),
-            Box::new(|world, _| world.ground_function(0, |[x, y]| 0.3 * x + 2.0 * y * y)),
-        ),
-        (
-            EffectRecord {
-                at: Some([0.01, -0.02, 0.03]),
-                ..record("own", "body_link", (Site::Load, "m"), &[("m", 0.3)])
-            },
-            Box::new(|world, _| {
-                world
-                    .payload("body_link", 0.3, [0.01, -0.02, 0.03])
-                    .unwrap()
-            }),
-        ),
-        (
-            record("own", "fsr_2", (Site::Cell, "z + t"), &[("z", 0.5)]),
-            Box::new(|world, _| world.cell_offset(2, 0.5).unwrap()),
-        ),
-    ]
+    let record = record("own", joint, (Site::Joint, function), values);
+    (record, Box::new(bend))
 }
 
-fn largest(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let off = a.iter().zip(b).map(|(a, b)| (a - b).abs());
-    off.fold(0.0, |most, x| {
-        if x.is_nan() {
-            f64::INFINITY
-        } else {
-            x.max(most)
-        }
-    })
+/// Effects of the OP2 with what they do to it, in other words.
+fn cases() -> Vec<(EffectRecord, Bend)> {
+    let (knee, ankle) = (["r_knee"; 2], ["r_ank_pitch"; 2]);
+    let a: [(&str, f64); 1] = [("a", 0.02)];
+    let mut held = of_joint(knee, "a * sin(6 * q)", &a, |[q, _], _| {
+        0.02 * (6.0 * q.clamp(-0.1, 0.15)).sin()
+    });
+    held.0.range = BTreeMap::from([("q".to_string(), [-0.1, 0.15])]);
+    let wave = of_joint(knee, "a * sin(6.0 * q)", &a, |[q, _], _| {
+        0.02 * (6.0 * q).sin()
+    });
+    let follow = "k * q[\"r_hip_roll\"]";
+    let follow = of_joint(
+        ["r_knee", "r_hip_roll"],
+        follow,
+        &[("k", 0.07)],
+        |[_, q], _| 0.07 * q,
+    );
+    let pull = [("stiffness", 0.2), ("start", 0.05)];
+    let pull = of_joint(knee, "stiffness * max(q - start, 0)", &pull, |[q, _], _| {
+        if q > 0.05 { 0.2 * (q - 0.05) } else { 0.0 }
+    });
+    let spring = of_joint(
+        ankle,
+        "k * tau * abs(tau)",
+        &[("k", 0.01)],
+        |_, [tau, _]| 0.01 * tau * tau.abs(),
+    );
+    let (cross, values) = (
+        "c * tau[\"r_ank_pitch\"] + d * q * tau",
+        [("c", 0.005), ("d", -0.01)],
+    );
+    let cross = of_joint(
+        ["r_knee", "r_ank_pitch"],
+        cross,
+        &values,
+        |[q, _], [own, tau]| 0.005 * tau - 0.01 * q * own,
+    );
+    let of = |target: &str, site: Site, function: &str, values: &[(&str, f64)]| {
+        record("own", target, (site, function), values)
+    };
+    let load = EffectRecord {
+        at: Some([0.01, -0.02, 0.03]),
+        ..of("body_link", Site::Load, "m", &[("m", 0.3)])
+    };
+    let square = of(
+        "y",
+        Site::Sensor,
+        "c * abs(x) - d * pow(y, 2)",
+        &[("c", 0.01), ("d", 1.5)],
+    );
+    let product = of("x", Site::Sensor, "c * x * y", &[("c", 3.0)]);
+    let settles = of("y", Site::Ground, "s * exp(-t)", &[("s", 0.02)]);
+    let gives = of(
+        "x",
+        Site::Ground,
+        "s * x + u * y * y",
+        &[("s", 0.3), ("u", 2.0)],
+    );
+    let cell = of("fsr_2", Site::Cell, "z + t", &[("z", 0.5)]);
+    let others: [(EffectRecord, fn(World) -> World); 6] = [
+        (product, |w| w.sensor_function(0, |[x, y]| 3.0 * x * y)),
+        (square, |w| {
+            w.sensor_function(1, |[x, y]| 0.01 * x.abs() - 1.5 * y * y)
+        }),
+        (settles, |w| w.ground_slope([0.0, 0.02]).unwrap()),
+        (gives, |w| {
+            w.ground_function(0, |[x, y]| 0.3 * x + 2.0 * y * y)
+        }),
+        (load, |w| {
+            w.payload("body_link", 0.3, [0.01, -0.02, 0.03]).unwrap()
+        }),
+        (cell, |w| w.cell_offset(2, 0.5).unwrap()),
+    ];
+    let others = others.map(|(record, bend)| -> (EffectRecord, Bend) {
+        (record, Box::new(move |world, _| bend(world)))
+    });
+    [wave, held, follow, pull, spring, cross]
+        .into_iter()
+        .chain(others)
+        .collect()
 }
 
 /// ∂`of`/∂q by differences of fourth order, row-major.
-fn slopes<const N: usize>(q: &[f64], of: impl Fn(&[f64]) -> [f64; N]) -> Vec<f64> {
+pub fn slopes<const N: usize>(q: &[f64], of: impl Fn(&[f64]) -> [f64; N]) -> Vec<f64> {
     let mut slopes = vec![0.0; N * q.len()];
     for j in 0..q.len() {
         let at = |step: f64| {
@@ -230,15 +211,9 @@ fn functions_of_the_body_and_readings_are_those_of_the_bent_robot() {
         };
         let world = bend(bare, &place).after_rounds(model.rounds);
         let mass: f64 = world.robot().links().iter().map(|link| link.mass_kg).sum();
-        let of = |function| Evaluator::new(&model, function);
-        let [com, jacobian, moments, cop, cop_jacobian] = [
-            Function::Com,
-            Function::ComJacobian,
-            Function::GravityMoments,
-            Function::Cop,
-            Function::CopJacobian,
-        ]
-        .map(of);
+        use Function::{Com, ComJacobian, Cop, CopJacobian, GravityMoments};
+        let of = [Com, ComJacobian, GravityMoments, Cop, CopJacobian];
+        let [com, jacobian, moments, cop, cop_jacobian] = of.map(|f| Evaluator::new(&model, f));
         let mut moved: f64 = 0.0;
         let postures = match of_cells {
             true => stand.postures_inside(POSTURES),
@@ -267,14 +242,9 @@ fn functions_of_the_body_and_readings_are_those_of_the_bent_robot() {
         assert!(moved > 1e-5, "{name}: {moved}");
         // Rows hold what encoders have, and nothing of moments or masses.
         let q = &stand.postures(1, 0.35, 9)[0];
-        let program = model
-            .program(Function::Regressor, Given::Positions)
-            .unwrap();
-        let rows = run(&program, &[q]);
-        let by_rows: Vec<f64> = rows
-            .chunks(model.base.params.len())
-            .map(|row| row.iter().zip(model.cad_params()).map(|(a, b)| a * b).sum())
-            .collect();
+        let rows = Evaluator::new(&model, Function::Regressor).run(q, 1);
+        let com = |row: &[f64]| row.iter().zip(model.cad_params()).map(|(a, b)| a * b).sum();
+        let by_rows: Vec<f64> = rows.chunks(model.base.params.len()).map(com).collect();
         let kinematic = name.contains('q') && !name.contains("tau") && !name.contains('c');
         let truth = match kinematic {
             true => world.com(q),
@@ -288,16 +258,11 @@ fn functions_of_the_body_and_readings_are_those_of_the_bent_robot() {
 #[test]
 fn what_a_sensor_adds_is_taken_back() {
     let stand = Stand::new("op2", "r_sole");
-    let own = record(
-        "own",
-        "x",
-        (Site::Sensor, "c * x * y + d"),
-        &[("c", 2.0), ("d", 1e-3)],
-    );
+    let values = [("c", 2.0), ("d", 1e-3)];
+    let own = record("own", "x", (Site::Sensor, "c * x * y + d"), &values);
     let model = with(&stand.model, &stand.cells, vec![own]);
-    let correct = model
-        .program(Function::CorrectCop, Given::Positions)
-        .unwrap();
+    let correct = model.program(Function::CorrectCop, Given::Positions);
+    let correct = correct.unwrap();
     for [x, y] in [[0.01, 0.02], [-0.03, 0.01], [0.0, 0.0]] {
         let found = run(&correct, &[&[x + 2.0 * x * y + 1e-3, y]]);
         assert!(largest(&found, &[x, y]) < 1e-12, "{found:?}");
@@ -332,54 +297,31 @@ fn two_links() -> Vec<Case> {
         let servos = servos(&model);
         Case::new(model, &format!("own_{what}"), servos)
     };
-    let joint = |target: &str, function: &str, values: &[(&str, f64)]| {
-        record("own", target, (Site::Joint, function), values)
+    let joint = |what: &str, target: &str, function: &str, values: &[(&str, f64)]| {
+        own(
+            what,
+            vec![record("own", target, (Site::Joint, function), values)],
+        )
     };
+    let sensor = [
+        record("own", "x", (Site::Sensor, "c * x * y"), &[("c", 0.3)]),
+        record(
+            "own",
+            "y",
+            (Site::Sensor, "c * min(x, 0.01)"),
+            &[("c", 0.01)],
+        ),
+    ];
+    let crosses = "k * tau[\"knee\"] - k * q * tau";
+    let cable = [("k", 0.1), ("s", 0.2)];
     vec![
-        own(
-            "wave",
-            vec![joint("knee", "a * sin(6 * q + 0.5)", &[("a", 0.02)])],
-        ),
-        own(
-            "follows",
-            vec![joint("knee", "k * q[\"ankle\"]", &[("k", 0.07)])],
-        ),
-        own(
-            "hardens",
-            vec![joint("knee", "k * tau * abs(tau)", &[("k", 0.002)])],
-        ),
-        own(
-            "crosses",
-            vec![joint(
-                "ankle",
-                "k * tau[\"knee\"] - k * q * tau",
-                &[("k", 0.004)],
-            )],
-        ),
-        own(
-            "sensor",
-            vec![
-                record("own", "x", (Site::Sensor, "c * x * y"), &[("c", 0.3)]),
-                record(
-                    "own",
-                    "y",
-                    (Site::Sensor, "c * min(x, 0.01)"),
-                    &[("c", 0.01)],
-                ),
-            ],
-        ),
-        own(
-            "cable",
-            vec![joint(
-                "knee",
-                "k * max(q - s, 0)",
-                &[("k", 0.1), ("s", 0.2)],
-            )],
-        ),
-        own(
-            "hat",
-            vec![joint("knee", "k * max(1 - abs(q), 0)", &[("k", 0.05)])],
-        ),
+        joint("wave", "knee", "a * sin(6 * q + 0.5)", &[("a", 0.02)]),
+        joint("follows", "knee", "k * q[\"ankle\"]", &[("k", 0.07)]),
+        joint("hardens", "knee", "k * tau * abs(tau)", &[("k", 0.002)]),
+        joint("crosses", "ankle", crosses, &[("k", 0.004)]),
+        own("sensor", sensor.into()),
+        joint("cable", "knee", "k * max(q - s, 0)", &cable),
+        joint("hat", "knee", "k * max(1 - abs(q), 0)", &[("k", 0.05)]),
     ]
 }
 
@@ -396,24 +338,15 @@ fn formulas_in_c_have_the_bits_of_the_tape_and_their_bounds() {
         .filter(|(case, scalar)| case.name != "own_sensor" || *scalar != Scalar::Fixed32);
     parallel(jobs.collect(), |(case, scalar)| {
         let entries = case.entries(scalar);
-        let entries: Vec<&Entry> = entries.iter().collect();
         let compiled = match scalar {
             Scalar::Fixed32 => trapping(&folder, case),
             _ => Compiled::plain(&folder, case, scalar, "cc", "-O2"),
         };
-        if scalar != Scalar::Fixed32 {
-            let drawn = draw(case, 300, 5, &*compiled.hold());
-            let found = compiled.run(case, &entries, &drawn);
-            for (entry, found) in entries.iter().zip(&found) {
-                let name = format!("{}_{} {scalar:?}", case.name, entry.name);
-                let tape = by_tape(case, scalar, entry, &drawn);
-                same(&name, found, &tape, entry.given.is_some());
-            }
-        }
+        let drawn = draw(case, 300, 5, &*compiled.hold());
+        has_the_bits_of_rust(case, scalar, &compiled, &entries, &drawn);
         // With corners, jumps of slopes are part of bounds, and no measure of them.
-        let corners =
-            ["own_cable", "own_hat", "own_hardens", "own_sensor"].contains(&case.name.as_str());
-        if !corners {
+        let corners = ["own_cable", "own_hat", "own_hardens", "own_sensor"];
+        if !corners.contains(&case.name.as_str()) {
             bounded(case, scalar, &compiled, &entries);
         }
     });
@@ -438,12 +371,11 @@ fn fixed_point_leaves_out_what_divides_roots_or_raises() {
 #[test]
 fn a_context_is_the_last_argument_of_model_functions_alone() {
     let bare = Case::robot("two_link", "foot").model;
-    let mut warm = record(
-        "own",
-        "ankle",
-        (Site::Joint, "a * column[\"temp\"] + b * approach"),
-        &[("a", 1e-3), ("b", 0.01)],
+    let (warms, values) = (
+        "a * column[\"temp\"] + b * approach",
+        [("a", 1e-3), ("b", 0.01)],
     );
+    let mut warm = record("own", "ankle", (Site::Joint, warms), &values);
     warm.columns = BTreeMap::from([("temp".to_string(), 25.0)]);
     let drift = record("own", "x", (Site::Sensor, "d * t"), &[("d", 1e-5)]);
     let model = with(&bare, &[], vec![warm, drift]);
@@ -459,7 +391,7 @@ fn a_context_is_the_last_argument_of_model_functions_alone() {
     let expected: Vec<f64> = [truth(at[0]), truth(at[1]), truth(at[1])].concat();
 
     let package = c::package(&facts, "own", &Options::of(Scalar::F64)).unwrap();
-    for text in [
+    let declared = [
         "#define own_CONTEXT 3",
         "extern const char *const own_context_names[own_CONTEXT];",
         "void own_com(const own_real q[], const own_real r[], own_real com[3]);",
@@ -467,33 +399,32 @@ fn a_context_is_the_last_argument_of_model_functions_alone() {
         "void own_model_cop(const own_real q[], const own_real context[], own_real cop[2]);",
         "void own_model_com_jacobian(const own_real q[], own_real jac[3 * own_DOF]);",
         "column[\"temp\"] = 25.0, approach[\"ankle\"] = 0.0, t = 0.0 in every function but",
-    ] {
-        assert!(package.header.contains(text), "{text}: {}", package.header);
-    }
+    ];
+    says(&package.header, &declared);
     let folder = fresh("c99/context");
     fs::write(folder.join("own.h"), &package.header).unwrap();
     fs::write(folder.join("own.c"), &package.source).unwrap();
     let main = format!(
         "#include \"own.h\"\n#include <stdio.h>\nint main(void)\n{{\n    \
-         const double q[] = {{{}, {}}};\n    const double at[2][3] = {{{{{:?}, {:?}, {:?}}}, \
-         {{{:?}, {:?}, {:?}}}}};\n    double x[15];\n    \
+         const double q[] = {};\n    const double at[2][3] = {};\n    double x[15];\n    \
          own_model_com(q, at[0], x);\n    own_model_cop(q, at[0], &x[3]);\n    \
          own_model_com(q, at[1], &x[5]);\n    own_model_cop(q, at[1], &x[8]);\n    \
          own_com(q, own_cad_params, &x[10]);\n    own_cop(q, own_cad_params, &x[13]);\n    \
          for (int k = 0; k < 15; k++) {{ printf(\"%.17g\\n\", x[k]); }}\n    \
          return own_selftest();\n}}\n",
-        q[0], q[1], at[0][0], at[0][1], at[0][2], at[1][0], at[1][1], at[1][2]
+        in_braces(&q),
+        in_braces(&at)
     );
     fs::write(folder.join("main.c"), main).unwrap();
     let program = folder.join("program");
     let mut cc = Command::new("cc");
     cc.args(WARNINGS).arg(SEPARATE).current_dir(&folder);
     printed(cc.args(["own.c", "main.c", "-o"]).arg(&program));
-    let numbers = |bytes: Vec<u8>| -> Vec<f64> {
-        let text = String::from_utf8(bytes).unwrap();
-        text.lines().map(|line| line.parse().unwrap()).collect()
+    let numbers = |text: &str| -> Vec<f64> {
+        let lines = text.lines();
+        lines.map(|line| line.parse().unwrap()).collect()
     };
-    let by_c = numbers(tool(&mut Command::new(&program)).unwrap());
+    let by_c = numbers(&printed(&mut Command::new(&program)));
     assert!(largest(&by_c, &expected) < 1e-15, "{by_c:?} {expected:?}");
 
     let child = Child::new("context", "");
@@ -508,8 +439,14 @@ fn a_context_is_the_last_argument_of_model_functions_alone() {
          for x in own::cop(&q, &R) {{ println!(\"{{x:?}}\"); }}\n}}\n"
     );
     child.write("src/main.rs", &main);
-    let by_rust = numbers(child.cargo(&["run", "--release", "--quiet"]).unwrap());
+    let by_rust = child.cargo(&["run", "--release", "--quiet"]).unwrap();
+    let by_rust = numbers(std::str::from_utf8(&by_rust).unwrap());
     assert_eq!(by_rust, by_c);
+}
+
+/// Numbers as C writes them.
+fn in_braces(numbers: &impl std::fmt::Debug) -> String {
+    format!("{numbers:?}").replace('[', "{").replace(']', "}")
 }
 
 /// Formulas in a model file say what is wrong with them; springs that do not come to rest are
@@ -537,19 +474,8 @@ fn a_model_file_with_a_formula_is_read_or_refused_in_words() {
     let soft = own("k * tau", 0.08).unwrap();
     assert!((5..=8).contains(&soft.rounds), "{}", soft.rounds);
     // As of the spring that it is.
-    let mut file = ModelFile::from_values(&stand.model, &stand.model.cad_params(), None, "data");
-    let stiffness = Quantity {
-        value: 12.5,
-        std: None,
-    };
-    file.effects = vec![EffectRecord {
-        effect: "joint_compliance".to_string(),
-        target: "r_ank_pitch".to_string(),
-        parameters: BTreeMap::from([("stiffness_nm_per_rad".to_string(), stiffness)]),
-        ..EffectRecord::default()
-    }];
-    let spring = stand.model.clone().with_file(file).unwrap();
-    assert_eq!(spring.rounds, soft.rounds);
+    let spring = stand.hidden("joint_compliance", "r_ank_pitch", &[12.5]);
+    assert_eq!(with_effects(&stand, &[spring]).rounds, soft.rounds);
     let error = own("k * tau", 0.5).unwrap_err().to_string();
     assert!(error.contains("springs are too soft"), "{error}");
 }
@@ -570,26 +496,18 @@ fn an_effect_of_a_users_own_is_found_and_generated() {
     let pull = move |q: &[f64], _: &[f64]| -0.15 * (q[knee] - 0.1).max(0.0);
     let world = stand.world().joint_function("r_knee", pull).unwrap();
     let folder = Folder::with("op2");
-    let mut state = 5_u64;
-    // Noise of 0.5 mm: a sum of twelve uniform numbers.
-    let mut noise = || {
-        let uniform = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        5e-4 * (std::iter::repeat_with(uniform).take(12).sum::<f64>() - 6.0)
+    let random = &mut ChaCha8Rng::seed_from_u64(5);
+    let q = stand.postures(120, RANGE, 3);
+    let cop = q
+        .iter()
+        .map(|q| world.cop(q).map(|x| x + 5e-4 * normal(random)));
+    let log = Recording {
+        joints: dofs.iter().map(|dof| dof.joint.clone()).collect(),
+        cop: cop.collect(),
+        q,
+        ..Recording::default()
     };
-    let names: Vec<&str> = dofs.iter().map(|dof| dof.joint.as_str()).collect();
-    let mut log = format!("pose,{},cop_x,cop_y\n", names.join(","));
-    for (pose, q) in stand.postures(120, RANGE, 3).iter().enumerate() {
-        let [x, y] = world.cop(q);
-        let cells = q.iter().copied().chain([x + noise(), y + noise()]);
-        let cells: Vec<String> = cells.map(|x| format!("{x:?}")).collect();
-        log += &format!("{pose},{}\n", cells.join(","));
-    }
-    folder.write("log.csv", log);
+    folder.write("log.csv", log.csv(false));
     folder.write("own.toml", OWN);
     let line = "diagnose op2.urdf --no-snap --support r_sole --data log.csv --noise 0.0005 \
                 --prior tight --effects own.toml --out model.toml";
@@ -601,43 +519,31 @@ fn an_effect_of_a_users_own_is_found_and_generated() {
     let value = |name: &str| step["parameters"][name]["value"].as_f64().unwrap();
     assert!((value("stiffness") + 0.15).abs() < 0.02, "{step:#}");
     assert!((value("start") - 0.1).abs() < 0.1, "{step:#}");
-    let text = folder.read("model.toml");
-    for line in [
-        "site = \"joint\"",
-        "function = \"stiffness * max(q - start, 0.0)\"",
-        "sentence = \"a cable that pulls at {target}\"",
-    ] {
-        assert!(text.contains(line), "{line}: {text}");
-    }
+    let function = "function = \"stiffness * max(q - start, 0.0)\"";
+    let sentence = "sentence = \"a cable that pulls at {target}\"";
+    says(
+        folder.read("model.toml"),
+        &["site = \"joint\"", function, sentence],
+    );
     folder.stdout(
         "generate op2.urdf --no-snap --support r_sole --lang c --scalar f64 --name op2 --out . \
          --model model.toml",
     );
     let fresh = stand.postures(200, RANGE, 77);
-    let mut main = format!(
-        "#include \"op2.h\"\n#include <stdio.h>\nstatic const double q[{}][op2_DOF] = {{\n",
-        fresh.len()
-    );
-    for q in &fresh {
-        let row: Vec<String> = q.iter().map(|x| format!("{x:?}")).collect();
-        main += &format!("{{{}}},\n", row.join(","));
-    }
-    main += &format!(
-        "}};\nint main(void)\n{{\n    for (int k = 0; k < {}; k++) {{\n        double com[3];\n        \
+    let main = format!(
+        "#include \"op2.h\"\n#include <stdio.h>\nstatic const double q[][op2_DOF] = {};\n\
+         int main(void)\n{{\n    for (int k = 0; k < {}; k++) {{\n        double com[3];\n        \
          op2_model_com(q[k], com);\n        \
          printf(\"%.17g\\n%.17g\\n%.17g\\n\", com[0], com[1], com[2]);\n    }}\n    return 0;\n}}\n",
+        in_braces(&fresh),
         fresh.len()
     );
     folder.write("main.c", main);
     let mut cc = Command::new("cc");
     cc.args(["-std=c99", "op2.c", "main.c", "-lm", "-o", "program"]);
     printed(cc.current_dir(folder.path()));
-    let printed = tool(&mut Command::new(folder.join("program"))).unwrap();
-    let com: Vec<f64> = String::from_utf8(printed)
-        .unwrap()
-        .lines()
-        .map(|line| line.parse().unwrap())
-        .collect();
+    let com = printed(&mut Command::new(folder.join("program")));
+    let com: Vec<f64> = com.lines().map(|line| line.parse().unwrap()).collect();
     let bare = stand.world();
     let (mut before, mut after) = (0.0, 0.0);
     for (q, com) in fresh.iter().zip(com.chunks(3)) {

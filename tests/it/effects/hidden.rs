@@ -62,6 +62,12 @@ pub fn hide(world: World, stand: &Stand, hidden: &Hidden) -> World {
     found.unwrap_or_else(|error| panic!("{hidden:?}: {error}"))
 }
 
+/// A virtual robot with all of them.
+pub fn hide_all(world: World, stand: &Stand, hidden: &[Hidden]) -> World {
+    let all = hidden.iter();
+    all.fold(world, |world, own| hide(world, stand, own))
+}
+
 impl Hidden {
     pub fn new(context: &EffectContext, instance: Instance, values: Vec<f64>) -> Hidden {
         Hidden {

@@ -6,7 +6,7 @@ use sesc_model::{EffectRecord, ModelFile, Quantity};
 use super::correction::{file, with};
 use super::hidden::Hidden;
 use super::robots::Stand;
-use sesc_test_support::command::{Folder, stderr, stdout};
+use sesc_test_support::command::{Folder, says};
 
 fn near(a: &[f64], b: &[f64]) -> bool {
     let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-12 * (1.0 + a.abs().max(b.abs()));
@@ -77,12 +77,8 @@ fn faults_of_records_name_the_effect_and_the_remedy() {
         target: "-".into(),
         ..EffectRecord::default()
     };
-    generate(
-        &stand,
-        unknown,
-        true,
-        &["`warp`", "known are sensor_offset", "units"],
-    );
+    let words = ["`warp`", "known are sensor_offset", "units"];
+    generate(&stand, unknown, true, &words);
     for effect in Catalog::standard().iter() {
         let name = format!("`{}`", effect.id().name());
         let good = Hidden::of(effect, &context, 2)[0].record(&context);
@@ -91,18 +87,13 @@ fn faults_of_records_name_the_effect_and_the_remedy() {
             ..good.clone()
         };
         let offered = context.name_of(&effect.targets(&context)[0]);
-        generate(
-            &stand,
-            nowhere,
-            true,
-            &[&name, "`nowhere`", "it has", &offered],
-        );
+        let words = [&name, "`nowhere`", "it has", &offered];
+        generate(&stand, nowhere, true, &words);
         let mut stray = good.clone();
-        let quantity = Quantity {
-            value: 1.0,
-            std: None,
-        };
-        stray.parameters.insert("colour".into(), quantity);
+        let (value, std) = (1.0, None);
+        stray
+            .parameters
+            .insert("colour".into(), Quantity { value, std });
         let remedy = good.parameters.keys().next().map_or("remove", |key| key);
         generate(&stand, stray, true, &[&name, "`colour`", remedy]);
         for key in good.parameters.keys() {
@@ -113,12 +104,8 @@ fn faults_of_records_name_the_effect_and_the_remedy() {
             for wrong in [f64::NAN, f64::INFINITY] {
                 let mut bad = good.clone();
                 bad.parameters.get_mut(key).unwrap().value = wrong;
-                generate(
-                    &stand,
-                    bad,
-                    true,
-                    &[&name, key, "not finite", "give a number"],
-                );
+                let words = [&name, key, "not finite", "give a number"];
+                generate(&stand, bad, true, &words);
             }
         }
         if effect.stage() == Stage::Cells {
@@ -132,31 +119,22 @@ fn faults_of_records_name_the_effect_and_the_remedy() {
 fn values_that_no_robot_has_are_refused() {
     let stand = Stand::new("two_link", "foot");
     let context = stand.context();
-    let weight = context.weight();
+    let (weight, load) = (context.weight(), [-context.mass(), 0.0, 0.0, 0.0]);
     let cases: [(&str, &str, &[f64], &str); 9] = [
         ("sensor_gain", "-", &[1.0, 0.0], "gain of 0"),
         ("joint_compliance", "knee", &[0.0], "above 0"),
         ("joint_compliance", "knee", &[-5.0], "above 0"),
         ("backlash", "all", &[-0.01], "0 or wider"),
-        (
-            "payload",
-            "shank",
-            &[-context.mass(), 0.0, 0.0, 0.0],
-            "weighs",
-        ),
+        ("payload", "shank", &load, "weighs"),
         ("external_force", "shank", &[0.0, 0.0, weight], "lifts"),
         ("cell_gain", "fsr_1", &[-0.5], "0 or more"),
         ("cell_exponent", "fsr_1", &[0.0], "above 0"),
         ("cell_saturation", "fsr_1", &[0.0], "above 0"),
     ];
     for (effect, target, values, words) in cases {
-        let record = Hidden::named(&context, effect, target, values).record(&context);
-        generate(
-            &stand,
-            record,
-            true,
-            &[&format!("`{effect}`"), target, words],
-        );
+        let record = stand.hidden(effect, target, values).record(&context);
+        let effect = format!("`{effect}`");
+        generate(&stand, record, true, &[&effect, target, words]);
     }
 }
 
@@ -174,10 +152,9 @@ fn effects_of_a_log_are_left_out_with_a_note() {
         let text = toml::to_string(&file(&stand, hidden)).unwrap();
         folder.write("model.toml", text);
         let options = "--no-snap --model model.toml --name plain --out .";
-        let line = format!("generate two_link.urdf --lang {language} {options}");
-        let output = folder.run(&line);
-        stdout(&output);
-        stderr(&output)
+        folder.said(&format!(
+            "generate two_link.urdf --lang {language} {options}"
+        ))
     };
     assert!(!run(&[], "rust").contains("left out"));
     run(&[], "c");
@@ -196,19 +173,15 @@ fn effects_of_a_log_are_left_out_with_a_note() {
     for effect in of_log {
         let hidden = &Hidden::of(effect, &context, 2)[..1];
         for language in ["rust", "c"] {
-            let said = run(hidden, language);
             let note = format!("note: effect `{}` belongs to the log", effect.id().name());
-            assert!(said.contains(&note), "{said}");
+            says(run(hidden, language), &[&note]);
         }
         // Not a byte of code of it, and the header says so.
         assert_eq!(files.map(code), plain, "{}", effect.id().name());
         for file in files {
-            let text = folder.read(file);
-            let line = format!(
-                "left out       {} (only a log shows it)",
-                effect.id().name()
-            );
-            assert!(text.contains(&line), "{file}");
+            let name = effect.id().name();
+            let line = format!("left out       {name} (only a log shows it)");
+            says(folder.read(file), &[&line]);
         }
         assert!(with(&stand, hidden).static_effects().next().is_none());
     }

@@ -11,6 +11,7 @@ use sesc_model::tape::{Tape, Values};
 use sesc_model::{Model, Snapping};
 use sesc_reference::World;
 
+use super::hidden::Hidden;
 use sesc_test_support::command::ROOT;
 
 /// A robot on its support, and its bent twin's blueprint.
@@ -59,6 +60,11 @@ impl Stand {
 
     pub fn context(&self) -> EffectContext<'_> {
         EffectContext::new(&self.model, &self.cells, true, Catalog::standard())
+    }
+
+    /// An effect by its name and that of its target.
+    pub fn hidden(&self, effect: &str, target: &str, values: &[f64]) -> Hidden {
+        Hidden::named(&self.context(), effect, target, values)
     }
 
     /// The robot as its URDF says.

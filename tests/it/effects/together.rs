@@ -91,13 +91,11 @@ fn effects_act_on_what_the_others_left() {
     let stand = Stand::new("op2", "r_sole");
     let context = stand.context();
     for (meeting, allowed) in MEETINGS {
-        let named = |(effect, target, values): &(&str, &str, &[f64])| {
-            Hidden::named(&context, effect, target, values)
-        };
-        let hidden: Vec<Hidden> = meeting.iter().map(named).collect();
+        let all = meeting.iter();
+        let hidden = all.map(|(effect, target, values)| stand.hidden(effect, target, values));
+        let hidden: Vec<Hidden> = hidden.collect();
         let labels: Vec<String> = hidden.iter().map(|h| h.instance.label(&context)).collect();
         let found = compare_all(&stand, &hidden);
-        println!("{labels:?}: {:.1e} of {allowed:.0e} m", found.off);
         assert!(found.off <= allowed, "{labels:?}: {:.1e}", found.off);
         assert!(found.moved > 1e-3, "{labels:?}: {:.1e}", found.moved);
     }

@@ -8,9 +8,8 @@ use sesc_identify::robot::Robot;
 
 use super::compiled::{alone, together};
 use super::correction::{file, with};
-use super::hidden::Hidden;
 use super::robots::{Stand, urdf};
-use sesc_test_support::command::Folder;
+use sesc_test_support::command::{Folder, says};
 
 /// The virtual robot takes the effects from the file, the functions have them built in: a model
 /// with any effect is verified, and a hundredth more of one of its sizes is not.
@@ -48,29 +47,28 @@ fn a_model_with_any_effect_is_verified_and_one_with_another_size_is_not() {
 #[test]
 fn the_command_says_what_springs_and_dead_bands_leave_out() {
     let stand = Stand::new("two_link", "foot");
-    let context = stand.context();
-    let named = |effect, target, values: &[f64]| Hidden::named(&context, effect, target, values);
     let hidden = [
-        named("joint_compliance", "all", &[400.0]),
-        named("backlash", "knee", &[0.02]),
-        named("payload", "shank", &[0.4, 0.02, -0.01, 0.05]),
-        named("ground_slope", "-", &[0.02, 0.01]),
+        stand.hidden("joint_compliance", "all", &[400.0]),
+        stand.hidden("backlash", "knee", &[0.02]),
+        stand.hidden("payload", "shank", &[0.4, 0.02, -0.01, 0.05]),
+        stand.hidden("ground_slope", "-", &[0.02, 0.01]),
     ];
     let folder = Folder::with("two_link");
     let text = toml::to_string(&file(&stand, &hidden)).unwrap();
     folder.write("model.toml", text);
     let text = folder.stdout("verify two_link.urdf --model model.toml --samples 300");
-    for words in [
-        "springs: 4 rounds leave out up to",
-        "postures left out",
-        "com_velocity",
-        "m/s",
-        "pass on",
-    ] {
-        assert!(text.contains(words), "`{words}`: {text}");
-    }
-    let help = folder.stdout("verify --help");
-    assert!(help.contains("--model model.toml"), "{help}");
+    let springs = "springs: 4 rounds leave out up to";
+    says(
+        text,
+        &[
+            springs,
+            "postures left out",
+            "com_velocity",
+            "m/s",
+            "pass on",
+        ],
+    );
+    says(folder.stdout("verify --help"), &["--model model.toml"]);
     // A file that is not there is named.
     folder.refuses("verify two_link.urdf --model gone.toml", &["gone.toml"]);
 }

@@ -1,122 +1,71 @@
 //! What is wrong in a fleet is named, and nothing else, by the page and by every row of the table.
 //! `cargo xtask study fleet` asks about whole fleets, and of some in which nothing is hidden.
 
-use std::collections::BTreeSet;
-
-use serde_json::Value;
-use sesc_test_support::command::{folder, op2, sesc, stdout};
+use sesc_test_support::command::{Folder, Sheet, list, number, says, texts};
 use sesc_test_support::fleet::{BATCH, DRIFT, Fleet, STUCK};
 
-fn strings(list: &Value) -> Vec<&str> {
-    let list = list.as_array().unwrap().iter();
-    list.map(|text| text.as_str().unwrap()).collect()
-}
+use super::table::{fleet, folder, held};
 
 #[test]
 fn what_is_wrong_in_a_fleet_is_named_and_nothing_else() {
-    check(&Fleet::sound(11, 4, 4).with_faults(4));
-}
-
-fn check(hidden: &Fleet) {
-    let folder = folder();
-    let folder = folder.path();
-    hidden.write(folder).unwrap();
-    let at = |name: &str| folder.join(name).display().to_string();
-    let (urdf, data) = (op2(), at("logs"));
-    let (out, report) = (at("fleet.csv"), at("fleet.html"));
-    let output = sesc(&[
-        "fleet", &urdf, "--data", &data, "--out", &out, "--report", &report, "--json",
-    ]);
-    let json: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let hidden = &Fleet::sound(11, 4, 4).with_faults(4);
+    let folder = folder(hidden);
+    let (table, json) = fleet(&folder, "logs", "--report fleet.html");
     assert_eq!(json["groups"], hidden.robots * hidden.days);
 
     // The batch, with its size and its robots.
-    let shared = json["shared"].as_array().unwrap();
-    assert_eq!(shared.len(), 1, "{shared:#?}");
-    assert_eq!(shared[0]["effect"], "joint_offset", "{shared:#?}");
-    assert_eq!(shared[0]["target"], BATCH.0);
-    let batch: Vec<String> = hidden
-        .batch
-        .iter()
-        .map(|robot| Fleet::name(*robot))
-        .collect();
-    assert_eq!(strings(&shared[0]["robots"]), batch);
-    let (size, std) = (
-        shared[0]["size"].as_f64().unwrap(),
-        shared[0]["std"].as_f64().unwrap(),
+    let [shared] = &list(&json, "/shared")[..] else {
+        panic!("{:#}", json["shared"])
+    };
+    assert_eq!(
+        (&shared["effect"], &shared["target"]),
+        (&"joint_offset".into(), &BATCH.0.into())
     );
-    assert!(
-        (size - BATCH.1).abs() < 4.0 * std && std < 0.2 * BATCH.1,
-        "{size} ± {std}"
-    );
+    let name = |robot: &usize| Fleet::name(*robot);
+    let batch: Vec<String> = hidden.batch.iter().map(name).collect();
+    assert_eq!(texts(shared, "/robots"), batch);
+    let (size, std) = (number(shared, "/size"), number(shared, "/std"));
+    let is_known = (size - BATCH.1).abs() < 4.0 * std && std < 0.2 * BATCH.1;
+    assert!(is_known, "{size} ± {std}");
 
     // The drift with its first day, and the new URDF.
-    let (drifts, from) = hidden.drifts.unwrap();
-    let (other, since) = hidden.urdf.unwrap();
-    let changes: BTreeSet<(&str, &str)> = json["changes"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|change| {
-            (
-                change["robot"].as_str().unwrap(),
-                change["day"].as_str().unwrap(),
-            )
-        })
-        .collect();
-    let name = Fleet::name;
-    let (drifts, from, other, since) = (
-        name(drifts),
-        from.to_string(),
-        name(other),
-        since.to_string(),
-    );
-    let expected = [
-        (drifts.as_str(), from.as_str()),
-        (other.as_str(), since.as_str()),
-    ];
-    assert_eq!(changes, expected.into(), "{:#}", json["changes"]);
-    let drift = json["changes"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .find(|c| c["robot"] == *drifts)
-        .unwrap();
-    assert!(
-        drift["what"].as_str().unwrap().contains(DRIFT.0),
-        "{drift:#}"
-    );
+    let [drifts, other] = [hidden.drifts, hidden.urdf].map(Option::unwrap);
+    let changes = list(&json, "/changes");
+    assert_eq!(changes.len(), 2, "{changes:#?}");
+    let change = |(robot, day): (usize, usize)| {
+        let mut own = changes
+            .iter()
+            .filter(|change| change["robot"] == Fleet::name(robot));
+        let own = own.next().unwrap_or_else(|| panic!("{changes:#?}"));
+        assert_eq!(own["day"], day.to_string());
+        own["what"].as_str().unwrap()
+    };
+    says(change(drifts), &[DRIFT.0]);
+    change(other);
 
     // Whoever has something is to be looked at, and nobody else.
-    let stuck = name(hidden.stuck.unwrap());
-    let first = strings(&json["look_first"]);
-    let why = json["reasons"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .find(|r| r["robot"] == *stuck)
-        .unwrap();
+    let [drifts, other, stuck] = [drifts.0, other.0, hidden.stuck.unwrap()].map(Fleet::name);
+    let mut reasons = list(&json, "/reasons").iter();
+    let why = reasons.find(|reason| reason["robot"] == *stuck).unwrap();
     let why = why["why"].as_str().unwrap();
     // What a diagnosis makes of angles that are wrong is not the robot's.
     assert!(why.contains(STUCK) && !why.contains("It has"), "{why}");
-    assert_eq!(
-        json["failed"].as_array().unwrap().len(),
-        hidden.truncated.len()
-    );
-    assert_eq!(json["twice"].as_array().unwrap().len(), 1);
+    assert_eq!(list(&json, "/failed").len(), hidden.truncated.len());
+    assert_eq!(list(&json, "/twice").len(), 1);
 
     // What spoils data comes first, then what changed, what is shared, the rest by name.
-    let mut order = vec![stuck, drifts];
-    order.extend(batch);
     let mut rest = vec![other];
-    rest.extend(hidden.truncated.iter().map(|(robot, _)| name(*robot)));
+    rest.extend(hidden.truncated.iter().map(|(robot, _)| name(robot)));
     rest.sort();
-    order.extend(rest);
-    assert_eq!(first, order);
-    rows_name_what_is_hidden(hidden, &out);
+    let order = [vec![stuck, drifts], batch, rest].concat();
+    assert_eq!(texts(&json, "/look_first"), order);
+    rows_name_what_is_hidden(hidden, &table);
+    the_page_says_the_same(hidden, &folder, &order);
+}
 
-    // The page says the same and loads nothing.
-    let page = std::fs::read_to_string(report).unwrap();
+/// And it loads nothing.
+fn the_page_says_the_same(hidden: &Fleet, folder: &Folder, order: &[String]) {
+    let page = folder.read("fleet.html");
     for joint in [BATCH.0, DRIFT.0, STUCK] {
         // Named in both views of the robot, and in the sentence under them.
         assert!(page.matches(&format!(">{joint}<")).count() >= 3, "{joint}");
@@ -128,17 +77,11 @@ fn check(hidden: &Fleet) {
     let pages = order.iter().map(|robot| format!("fleet/{robot}.html"));
     assert_eq!(links, pages.collect::<Vec<_>>());
     for link in links {
-        let own = std::fs::read_to_string(folder.join(link)).unwrap();
-        assert!(own.contains("href=\"../fleet.html\""), "{link}");
+        says(folder.read(link), &["href=\"../fleet.html\""]);
     }
     let share = format!("{} robots share", hidden.batch.len());
-    for text in [
-        "1 shared effect, 2 changes, 2 logs with errors",
-        &share,
-        "log_again.csv",
-    ] {
-        assert!(page.contains(text), "{text}");
-    }
+    let counted = "1 shared effect, 2 changes, 2 logs with errors";
+    says(&page, &[counted, &share, "log_again.csv"]);
     let page = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
     for outside in ["http:", "https:", "src=", "@import", "url(", "<script src"] {
         assert!(!page.contains(outside), "{outside}");
@@ -146,48 +89,41 @@ fn check(hidden: &Fleet) {
 }
 
 /// Every row: the effects, findings, errors and URDFs that were hidden in its robot on its day.
-fn rows_name_what_is_hidden(hidden: &Fleet, table: &str) {
-    let mut reader = csv::Reader::from_path(table).unwrap();
-    let header = reader.headers().unwrap().clone();
-    let mut count = 0;
-    for record in reader.records() {
-        let record = record.unwrap();
-        let field = |name: &str| &record[header.iter().position(|column| column == name).unwrap()];
+fn rows_name_what_is_hidden(hidden: &Fleet, table: &Sheet) {
+    assert_eq!(table.rows.len(), hidden.robots * hidden.days);
+    for row in 0..table.rows.len() {
+        let field = |name: &str| table.field(row, name);
         let robot: usize = field("robot")[1..].parse().unwrap();
         let day: usize = field("day").parse().unwrap();
+        let what = format!("{robot} on {day}");
         let since = |of: Option<(usize, usize)>| of.is_some_and(|(r, d)| r == robot && day >= d);
         let joint = match () {
             () if hidden.batch.contains(&robot) => Some(BATCH.0),
             () if since(hidden.drifts) => Some(DRIFT.0),
             () => None,
         };
-        let effects: Value = serde_json::from_str(field("effects")).unwrap();
-        let named: Vec<&str> = effects["explanation"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|e| e["target"].as_str().unwrap())
-            .collect();
-        assert_eq!(named, Vec::from_iter(joint), "{record:?}");
+        let targets = |of: &serde_json::Value, place: &str| -> Vec<String> {
+            let all = list(of, place).iter();
+            all.map(|e| e["target"].as_str().unwrap().to_string())
+                .collect()
+        };
+        let effects = held(table, row, "effects");
+        assert_eq!(
+            targets(&effects, "/explanation"),
+            Vec::from_iter(joint),
+            "{what}"
+        );
         // What is hidden is the best of all effects as the whole explanation, too.
-        let scores = effects["scores"].as_array().unwrap();
-        assert!(scores.len() <= 64, "{record:?}");
-        if let Some(joint) = joint {
-            assert_eq!(scores[0]["target"], joint, "{record:?}");
-        }
-        let stuck = hidden.stuck == Some(robot);
-        let health: Vec<Value> = serde_json::from_str(field("health")).unwrap();
-        let found: Vec<&str> = health
-            .iter()
-            .map(|f| f["target"].as_str().unwrap())
-            .collect();
-        assert_eq!(found, Vec::from_iter(stuck.then_some(STUCK)), "{record:?}");
+        let scores = targets(&effects, "/scores");
+        assert!(scores.len() <= 64, "{what}");
+        assert!(joint.is_none_or(|joint| scores[0] == joint), "{what}");
+        let stuck = (hidden.stuck == Some(robot)).then_some(STUCK);
+        let found = targets(&held(table, row, "health"), "");
+        assert_eq!(found, Vec::from_iter(stuck), "{what}");
         let cut = hidden.truncated.contains(&(robot, day));
-        assert_eq!(!field("error").is_empty(), cut, "{record:?}");
+        assert_eq!(!field("error").is_empty(), cut, "{what}");
         let urdfs = hidden.urdf.is_some_and(|(own, _)| own == robot);
         let said = field("sentence").contains("This robot has 2 URDFs");
-        assert_eq!(said, urdfs, "{record:?}");
-        count += 1;
+        assert_eq!(said, urdfs, "{what}");
     }
-    assert_eq!(count, hidden.robots * hidden.days);
 }

@@ -3,29 +3,25 @@
 use std::fs;
 use std::process::Command;
 
-use sesc_test_support::command::{Folder, printed};
+use sesc_test_support::command::{Folder, json, list, printed, says};
 use sesc_test_support::fleet::Fleet;
 
-use super::table::{field, records};
+use super::table;
 
 /// One robot's log of one day in a folder, which it is copied from.
 fn fleet() -> (Folder, String) {
-    let folder = Folder::with("op2");
-    Fleet::sound(1, 1, 5).write(folder.path()).unwrap();
-    let log = Fleet::folder(0, 1).join("log.csv").display().to_string();
-    let log = folder.read(&log);
+    let folder = table::folder(&Fleet::sound(1, 1, 5));
+    let log = folder.read(&table::log((0, 1)));
     (folder, log)
 }
 
 /// What the table has as errors, and the JSON of a fleet that may fail.
 fn errors(folder: &Folder, data: &str, more: &str) -> (Vec<[String; 2]>, serde_json::Value) {
-    let output = folder.run(&format!(
-        "fleet op2.urdf --data {data} --out fleet.csv --json {more}"
-    ));
-    let json = serde_json::from_slice(&output.stdout).unwrap();
-    let rows = records(&folder.at("fleet.csv"));
-    let of = |row: &Vec<_>| ["robot", "error"].map(|name| field(row, name).to_string());
-    (rows.iter().map(of).collect(), json)
+    let line = format!("fleet op2.urdf --data {data} --out fleet.csv --json {more}");
+    let json = json(&folder.run(&line));
+    let table = folder.sheet("fleet.csv");
+    let of = |row| ["robot", "error"].map(|name| table.field(row, name).to_string());
+    ((0..table.rows.len()).map(of).collect(), json)
 }
 
 /// A pipe that nobody writes to and a device without an end would hold up the run for ever.
@@ -33,11 +29,8 @@ fn errors(folder: &Folder, data: &str, more: &str) -> (Vec<[String; 2]>, serde_j
 #[test]
 fn what_is_no_regular_file_is_an_error_of_its_row() {
     let (folder, log) = fleet();
-    let sidecar = Fleet::folder(0, 1)
-        .join("log.csv.toml")
-        .display()
-        .to_string();
-    folder.write("mixed/a_1.csv.toml", folder.read(&sidecar));
+    let sidecar = folder.read(&(table::log((0, 1)) + ".toml"));
+    folder.write("mixed/a_1.csv.toml", sidecar);
     for name in ["a_1.csv", "d_1.csv"] {
         folder.write(&format!("mixed/{name}"), &log);
     }
@@ -51,15 +44,12 @@ fn what_is_no_regular_file_is_an_error_of_its_row() {
     };
     let [b, c, d] = ["b_1.csv", "c_1.csv", "d_1.csv.toml"].map(said);
     let expected = [("a", String::new()), ("b", b), ("c", c), ("d", d)];
-    assert_eq!(
-        found,
-        expected.map(|(robot, error)| [robot.to_string(), error])
-    );
-    assert_eq!(json["failed"].as_array().unwrap().len(), 3);
+    let expected = expected.map(|(robot, error)| [robot.to_string(), error]);
+    assert_eq!(found, expected);
+    assert_eq!(list(&json, "/failed").len(), 3);
     // A pipe that is given by its name is no manifest that has to be looked at.
     let (_, json) = errors(&folder, "mixed/b_1.csv", "");
-    let said = json["failed"][0]["error"].as_str().unwrap();
-    assert!(said.contains("pipe"), "{said}");
+    says(json["failed"][0]["error"].to_string(), &["pipe"]);
 }
 
 #[cfg(target_os = "linux")]
@@ -75,9 +65,8 @@ fn a_log_whose_name_is_no_utf8_is_a_row_that_says_so() {
     for data in ["logs", "logs/*.csv"] {
         let (_, json) = errors(&folder, data, "");
         assert_eq!(json["groups"], 1, "{data}");
-        let said = json["failed"][0]["error"].as_str().unwrap();
-        let words = "its name is no text in UTF-8; give it another name";
-        assert!(said.contains(words), "{said}");
+        let words = ["its name is no text in UTF-8; give it another name"];
+        says(json["failed"][0]["error"].to_string(), &words);
     }
 }
 
@@ -89,27 +78,21 @@ fn what_is_wrong_with_a_log_is_said_before_its_support_is_missed() {
     folder.write("bare/b_1.csv", "pose,cop_x,cop_y\n0,zero,0\n");
     for only in ["--only parameters", ""] {
         let (found, json) = errors(&folder, "bare", only);
-        assert_eq!(json["failed"].as_array().unwrap().len(), 2);
+        assert_eq!(list(&json, "/failed").len(), 2);
         let [[_, first], [_, second]] = &found[..] else {
             panic!("{found:?}")
         };
-        for words in [
-            "no support link given",
-            "for all logs",
-            "sidecar",
-            "column `support`",
-        ] {
-            assert!(first.contains(words), "{first}");
-        }
+        let no_support = ["no support link given", "for all logs"];
+        says(
+            first,
+            &[&no_support[..], &["sidecar", "column `support`"]].concat(),
+        );
         let is_of_log = !second.contains("support") && second.contains("column");
         assert!(is_of_log, "{second}");
     }
     // No threads are refused, and one robot is one.
     let fleet = "fleet op2.urdf --data logs --out fleet.csv";
-    folder.refuses(
-        &format!("{fleet} --threads 0"),
-        &["--threads", "give 1 or more"],
-    );
+    folder.refuses_each(&format!("{fleet} --threads 0 | --threads | give 1 or more"));
     let said = folder.stdout(&format!("{fleet} --only parameters"));
     assert!(said.starts_with("1 robot, 1 row, 0 of them"), "{said}");
 }

@@ -1,13 +1,10 @@
 //! A sensor whose axes are exchanged, mirrored or turned, as a fit of masses sees it.
 
-use sesc_identify::health::Finding;
 use sesc_reference::World;
+use sesc_test_support::command::says;
 
 use super::log::{Log, NOISE_M};
-
-fn found(log: &Log) -> Vec<Finding> {
-    log.fit("r_sole").health
-}
+use crate::asked::kinds;
 
 /// The eight ways in which axes lie along each other but one, and a yaw of any size.
 #[test]
@@ -32,12 +29,10 @@ fn axes_that_are_turned_are_named_by_a_fit() {
     for (case, (words, way)) in (200..).zip(ways) {
         let mut log = Log::of("r_sole", &[], |w| w, case);
         log.cop.iter_mut().for_each(|y| *y = way(*y));
-        let found = found(&log);
-        let kinds: Vec<(&str, &str)> = found.iter().map(|h| (h.kind.name(), &*h.target)).collect();
-        assert_eq!(kinds, [("frame_turned", "r_sole")], "{words}");
-        assert!(found[0].sentence.contains(words), "{}", found[0].sentence);
+        let found = log.fit().health;
+        assert_eq!(kinds(&found), [("frame_turned", "r_sole")], "{words}");
+        says(&found[0].sentence, &[words]);
         assert!(found[0].picture.is_some());
-        println!("{}", found[0].sentence);
     }
 }
 
@@ -59,8 +54,7 @@ fn other_effects_are_no_turn() {
         |w| w.joint_offset("r_ank_roll", 0.3).unwrap(),
     ];
     for (case, hide) in (230..).zip(hidden) {
-        let log = Log::of("r_sole", &[], hide, case);
-        let found = found(&log);
+        let found = Log::of("r_sole", &[], hide, case).fit().health;
         assert!(found.is_empty(), "{case}: {found:?}");
     }
     // Noise as large as the motion of the CoP.
@@ -72,6 +66,7 @@ fn other_effects_are_no_turn() {
         });
     }
     log.noise_is_given = false;
-    let kinds: Vec<&str> = found(&log).iter().map(|h| h.kind.name()).collect();
-    assert!(!kinds.contains(&"frame_turned"), "{kinds:?}");
+    let found = log.fit().health;
+    let mut kinds = kinds(&found).into_iter();
+    assert!(kinds.all(|(kind, _)| kind != "frame_turned"), "{found:?}");
 }

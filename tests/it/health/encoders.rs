@@ -6,15 +6,15 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose;
 use sesc_identify::fit::{self, MotionModel};
-use sesc_identify::logs::Table;
 use sesc_identify::robot::Robot;
 use sesc_test_support::moving::Swing;
-use sesc_test_support::recording::Recording;
+use sesc_test_support::recording::{Recording, normal};
 use sesc_test_support::stage::{Platform, Stage};
+use sesc_test_support::trees::Urdf;
 
-use super::rows::only;
+use super::rows::{only, owned};
 use super::stretches::looked;
-use crate::asked::{of_recording, white};
+use crate::asked::{self, of_recording, white};
 
 /// A robot that swings, read with white noise of `std` m.
 fn swing(stage: &Stage, swing: Swing, std: f64, rate: f64, seed: u64) -> Recording {
@@ -22,12 +22,11 @@ fn swing(stage: &Stage, swing: Swing, std: f64, rate: f64, seed: u64) -> Recordi
     swing.record(stage, stage.world(), white(std), rate, random)
 }
 
-/// The encoder of a joint says all the time what it says first.
-fn stick(recording: &mut Recording, joint: &str) {
-    let column = recording.joints.iter().position(|name| name == joint);
-    let column = column.unwrap();
-    let at = recording.q[0][column];
-    recording.q.iter_mut().for_each(|q| q[column] = at);
+/// A diagnosis and a fit find this encoder stuck, and nothing else.
+fn finds_stuck(stage: &Stage, recording: &Recording, joint: &str) {
+    assert_eq!(looked(stage, recording), only("encoder_stuck", joint));
+    let fitted = fitted(of_recording(stage, recording));
+    assert_eq!(fitted, only("encoder_stuck", joint));
 }
 
 /// What a fit of the log of a diagnosis finds.
@@ -37,10 +36,7 @@ pub fn fitted(of_diagnosis: diagnose::Request) -> Vec<(String, String)> {
     request.logs = vec![of_diagnosis.log];
     request.support = of_diagnosis.support;
     request.noise = of_diagnosis.noise;
-    let found = fit::fit(&request, &mut ()).unwrap().identification.health;
-    let named =
-        |finding: sesc_identify::health::Finding| (finding.kind.name().to_string(), finding.target);
-    found.into_iter().map(named).collect()
+    owned(&asked::fitted(&request).health)
 }
 
 /// The sensor is quiet, says nothing of its noise, and the CoP is a millimetre or two off.
@@ -49,12 +45,8 @@ fn small_motion_of_a_joint_is_seen_by_a_quiet_sensor() {
     let stage = Stage::new(Platform::Op2);
     for (seed, joint) in [(1, "l_hip_pitch"), (2, "r_hip_yaw"), (3, "r_knee")] {
         let mut recording = swing(&stage, Swing::new(0.25, 0.1, 40.0), 2e-4, 50.0, seed);
-        stick(&mut recording, joint);
-        assert_eq!(looked(&stage, &recording), only("encoder_stuck", joint));
-        assert_eq!(
-            fitted(of_recording(&stage, &recording)),
-            only("encoder_stuck", joint)
-        );
+        recording.stick(joint);
+        finds_stuck(&stage, &recording, joint);
     }
 }
 
@@ -66,12 +58,8 @@ fn a_stuck_encoder_that_hides_that_the_robot_moves_is_named() {
     let joint = "right_hip_roll";
     for seed in [11, 12] {
         let mut recording = swing(&stage, Swing::new(0.29, 0.2, 37.0), 1.1e-3, 100.0, seed);
-        stick(&mut recording, joint);
-        assert_eq!(looked(&stage, &recording), only("encoder_stuck", joint));
-        assert_eq!(
-            fitted(of_recording(&stage, &recording)),
-            only("encoder_stuck", joint)
-        );
+        recording.stick(joint);
+        finds_stuck(&stage, &recording, joint);
         // Who says that readings are static is not contradicted.
         let mut static_ones = of_recording(&stage, &recording);
         static_ones.motion = MotionModel::Off;
@@ -92,54 +80,37 @@ fn joints_that_stand_still_while_others_move_are_not_stuck() {
 
 /// A pole that leans and bends forward, with a small arm; masses of shank and trunk, kg.
 fn pole(shank: f64, trunk: f64) -> String {
-    let link = |name: &str, mass: f64, at: &str| {
-        format!(
-            "<link name='{name}'><inertial><origin xyz='{at}'/><mass value='{mass}'/></inertial></link>"
-        )
-    };
-    let joint = |name: &str, parent: &str, child: &str, at: &str| {
-        format!(
-            "<joint name='{name}' type='revolute'><parent link='{parent}'/><child link='{child}'/>\
-             <origin xyz='{at}'/><axis xyz='0 1 0'/>\
-             <limit lower='-3' upper='3' effort='1' velocity='1'/></joint>"
-        )
-    };
-    [
-        "<robot name='pole'>".to_string(),
-        link("foot", 0.5, "0 0 0"),
-        link("shank", shank, "0 0 0.2"),
-        link("trunk", trunk, "0.05 0 0.2"),
-        link("arm", 0.4, "0 0 0.25"),
-        joint("ankle", "foot", "shank", "0 0 0"),
-        joint("hip", "shank", "trunk", "0 0 0.4"),
-        joint("elbow", "trunk", "arm", "0 0 0.3"),
-        "</robot>".to_string(),
-    ]
-    .concat()
+    Urdf::new("pole")
+        .link("foot", 0.5, "0 0 0")
+        .link("shank", shank, "0 0 0.2")
+        .link("trunk", trunk, "0.05 0 0.2")
+        .link("arm", 0.4, "0 0 0.25")
+        .revolute("ankle", ["foot", "shank"], "0 0 0", "0 1 0", 3.0)
+        .revolute("hip", ["shank", "trunk"], "0 0 0.4", "0 1 0", 3.0)
+        .revolute("elbow", ["trunk", "arm"], "0 0 0.3", "0 1 0", 3.0)
+        .text()
 }
 
 /// Readings of a pole while its ankle, hip and elbow are within these bounds, with noise of
 /// 0.2 mm, as a question about one whose masses are CAD's.
 fn of_pole(world: &sesc_reference::World, bounds: [[f64; 2]; 3], seed: u64) -> diagnose::Request {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut columns = vec![Vec::new(); 5];
-    for _ in 0..200 {
+    let random = &mut ChaCha8Rng::seed_from_u64(seed);
+    let within = |random: &mut ChaCha8Rng| {
         let q = bounds.map(|[low, high]| low + (high - low) * random.random::<f64>());
-        let cop = world.cop(&q).map(|y| {
-            let noise: f64 = (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
-            y + 2e-4 * noise
-        });
-        for (column, value) in columns.iter_mut().zip(q.into_iter().chain(cop)) {
-            column.push(value);
-        }
-    }
-    let names = ["ankle", "hip", "elbow", "cop_x", "cop_y"].into_iter();
-    let log = names.zip(columns);
-    let log = log.fold(Table::new("log"), |table, (name, values)| {
-        table.numbers(name, values)
-    });
+        q.to_vec()
+    };
+    let q: Vec<Vec<f64>> = (0..200).map(|_| within(random)).collect();
+    let cop = q
+        .iter()
+        .map(|q| world.cop(q).map(|y| y + 2e-4 * normal(random)));
+    let log = Recording {
+        joints: ["ankle", "hip", "elbow"].map(String::from).to_vec(),
+        cop: cop.collect(),
+        q,
+        ..Recording::default()
+    };
     let robot = Arc::new(Robot::parse(&pole(2.0, 3.0), "pole.urdf").unwrap());
-    let mut request = diagnose::Request::new(robot, log);
+    let mut request = diagnose::Request::new(robot, log.table(false));
     request.support = Some("foot".into());
     request
 }

@@ -3,10 +3,14 @@
 use std::sync::Arc;
 
 use sesc_identify::diagnose::Verdict;
+use sesc_identify::health::Finding;
 use sesc_identify::robot::Robot;
 use sesc_reference::World;
+use sesc_test_support::command::says;
+use sesc_test_support::stage::{Platform, Stage};
 
-use super::log::{Log, NOISE_M, POSTURES, kinds};
+use super::log::{Log, NOISE_M, POSTURES};
+use crate::asked::kinds;
 
 /// An offset that is to be found in what is left.
 const OFFSET: f64 = 0.05;
@@ -17,24 +21,25 @@ pub fn hidden(w: World) -> World {
 
 /// The kinds and targets of all findings; the rest is diagnosed as ever.
 pub fn found_beside(log: &Log) -> Vec<(String, String)> {
-    let found = log.diagnose("r_sole").diagnosis;
-    println!("{}", found.sentence);
+    let found = log.diagnose();
     let group = ["r_ank_pitch", "r_knee", "r_hip_pitch", "ground_slope"];
     let one = |all: &Vec<String>| all.len() == 1 && group.iter().any(|g| all[0].contains(g));
-    assert!(
-        found.indistinguishable.iter().any(one),
-        "{:?}",
-        found.indistinguishable
-    );
+    let class = &found.indistinguishable;
+    assert!(class.iter().any(one), "{class:?}");
     assert!(found.last.rmse < 3.0 * NOISE_M, "{}", found.last.rmse);
-    let health = found.health.iter();
-    health
-        .map(|h| (h.kind.name().to_string(), h.target.clone()))
-        .collect()
+    owned(&found.health)
 }
 
 pub fn only(kind: &str, target: &str) -> Vec<(String, String)> {
     vec![(kind.to_string(), target.to_string())]
+}
+
+/// Kinds of findings, and what each is of.
+pub fn owned(health: &[Finding]) -> Vec<(String, String)> {
+    let named = kinds(health).into_iter();
+    named
+        .map(|(kind, target)| (kind.to_string(), target.to_string()))
+        .collect()
 }
 
 #[test]
@@ -60,8 +65,7 @@ fn the_shape_of_the_sole_says_what_lies_beyond() {
     let mut log = Log::of("r_sole", &[], |w| w, 69);
     // Balanced: the cloud of CoPs is not what decides.
     log.q.iter_mut().flatten().for_each(|q| *q *= 0.1);
-    let described = sesc_reference::Robot::from_urdf(log.robot.text()).unwrap();
-    let world = World::new(&described, "r_sole").unwrap();
+    let world = Stage::new(Platform::Op2).world();
     let at = world.cop(&log.q[0]);
     let pairs = log.cop.iter_mut().zip(&log.q).enumerate();
     for (k, (cop, q)) in pairs {
@@ -71,7 +75,7 @@ fn the_shape_of_the_sole_says_what_lies_beyond() {
     for k in [7, 30] {
         log.cop[k][0] = at[0] + 0.14;
     }
-    assert_eq!(kinds(&log.diagnose("r_sole").diagnosis), []);
+    assert_eq!(kinds(&log.diagnose().health), []);
     let shape = format!(
         "<link name='r_sole'><collision><origin xyz='{} {} 0.01'/><geometry>\
          <box size='0.104 0.066 0.02'/></geometry></collision></link>",
@@ -80,18 +84,17 @@ fn the_shape_of_the_sole_says_what_lies_beyond() {
     let text = log.robot.text().replace("<link name=\"r_sole\"/>", &shape);
     assert!(text.contains("collision"));
     log.robot = Arc::new(Robot::parse(&text, "op2.urdf").unwrap());
-    let found = log.diagnose("r_sole").diagnosis;
-    assert_eq!(kinds(&found), [("cop_outside_sole", "-")]);
+    let found = log.diagnose();
+    assert_eq!(kinds(&found.health), [("cop_outside_sole", "-")]);
 }
 
 #[test]
 fn a_frame_that_is_not_on_the_sole_is_asked_about() {
     let mut log = Log::of("r_sole", &[], |w| w, 62);
     log.cop.iter_mut().for_each(|y| y[0] += 1.2);
-    let found = log.diagnose("r_sole").diagnosis;
-    let kinds: Vec<&str> = found.health.iter().map(|h| h.kind.name()).collect();
-    assert_eq!(kinds, ["cop_outside_sole"]);
-    assert!(found.health[0].sentence.contains("support frame"));
+    let found = log.diagnose();
+    assert_eq!(kinds(&found.health), [("cop_outside_sole", "-")]);
+    says(&found.health[0].sentence, &["support frame"]);
 }
 
 #[test]
@@ -102,18 +105,14 @@ fn copied_rows_count_once() {
         log.cop.push(log.cop[k]);
     }
     assert_eq!(found_beside(&log), only("rows_copied", "-"));
-    let found = log.diagnose("r_sole").diagnosis;
+    let found = log.diagnose();
     assert_eq!(found.postures, POSTURES);
-    assert_eq!(
-        (found.samples.rows, found.samples.independent),
-        (POSTURES, POSTURES)
-    );
+    let samples = found.samples;
+    assert_eq!([samples.rows, samples.independent], [POSTURES; 2]);
     // A fit counts them once, too, with stamps of their own.
-    let found = log.fit("r_sole");
-    assert_eq!(
-        (found.samples.rows, found.readings),
-        (POSTURES, POSTURES as u64)
-    );
+    let found = log.fit();
+    assert_eq!(found.samples.rows, POSTURES);
+    assert_eq!(found.readings, POSTURES as u64);
 }
 
 /// An end is an end by the side on which values stop, not by its sign: a channel that is clipped
@@ -132,7 +131,7 @@ fn a_clipped_channel_is_named_by_its_column() {
     assert!(least < POSTURES / 2, "{least}");
     below.cop.iter_mut().for_each(|y| y[0] = y[0].max(x[least]));
     assert_eq!(found_beside(&below), only("channel_saturated", "cop_x"));
-    let found = below.diagnose("r_sole").diagnosis;
+    let found = below.diagnose();
     assert_eq!(found.postures, POSTURES - least - 1);
 }
 
@@ -141,20 +140,18 @@ fn coarse_steps_of_a_channel_are_said_and_fine_ones_are_not() {
     let mut log = Log::of("r_sole", &[], hidden, 65);
     let fine = log.clone();
     log.stated = Some(NOISE_M);
-    log.cop
-        .iter_mut()
-        .for_each(|y| y[1] = (y[1] / 0.004).round() * 0.004);
-    let found = log.diagnose("r_sole").diagnosis;
-    assert_eq!(kinds(&found), [("channel_saturated", "cop_y")]);
+    let rows = log.cop.iter_mut();
+    rows.for_each(|y| y[1] = (y[1] / 0.004).round() * 0.004);
+    let found = log.diagnose();
+    assert_eq!(kinds(&found.health), [("channel_saturated", "cop_y")]);
     assert_ne!(found.verdict, Verdict::Unexplained, "{}", found.sentence);
     // Where nobody states the noise, it is what masses leave less what steps are of that.
     log.stated = None;
-    let found = log.diagnose("r_sole").diagnosis;
-    assert_eq!(kinds(&found), [("channel_saturated", "cop_y")]);
+    let found = log.diagnose();
+    assert_eq!(kinds(&found.health), [("channel_saturated", "cop_y")]);
     let mut log = fine;
-    log.cop
-        .iter_mut()
-        .for_each(|y| *y = y.map(|x| (x / 1e-4).round() * 1e-4));
+    let rows = log.cop.iter_mut();
+    rows.for_each(|y| *y = y.map(|x| (x / 1e-4).round() * 1e-4));
     assert_eq!(found_beside(&log), []);
 }
 
@@ -162,15 +159,11 @@ fn coarse_steps_of_a_channel_are_said_and_fine_ones_are_not() {
 fn noise_that_is_far_too_large_is_said() {
     let mut log = Log::of("r_sole", &[], |w| w, 66);
     log.stated = Some(NOISE_M);
-    assert!(log.diagnose("r_sole").diagnosis.health.is_empty());
+    assert!(log.diagnose().health.is_empty());
     log.stated = Some(5.0 * NOISE_M);
-    let found = log.diagnose("r_sole").diagnosis;
-    assert_eq!(kinds(&found), [("noise_overstated", "-")]);
-    assert!(
-        found.health[0].sentence.contains("1.50 mm"),
-        "{}",
-        found.health[0].sentence
-    );
+    let found = log.diagnose();
+    assert_eq!(kinds(&found.health), [("noise_overstated", "-")]);
+    says(&found.health[0].sentence, &["1.50 mm"]);
 }
 
 /// Four cells, of which one is unplugged, or all are lifted for a while.
@@ -188,21 +181,17 @@ fn cells_without_load_are_named() {
             .to_vec()
     };
     log.cells = log.cop.iter().map(|y| loads(*y)).collect();
-    assert!(log.diagnose("r_sole").diagnosis.health.is_empty());
+    assert!(log.diagnose().health.is_empty());
     let mut lifted = log.clone();
-    lifted.cells[30..45]
-        .iter_mut()
-        .for_each(|row| row.fill(0.0));
-    let found = lifted.diagnose("r_sole").diagnosis;
-    assert_eq!(found.health.len(), 1, "{:?}", found.health);
-    assert_eq!(found.health[0].kind.name(), "contact_lost");
-    assert_eq!(
-        (found.verdict, found.postures),
-        (Verdict::None, POSTURES - 15)
-    );
+    let rows = lifted.cells[30..45].iter_mut();
+    rows.for_each(|row| row.fill(0.0));
+    let found = lifted.diagnose();
+    assert_eq!(kinds(&found.health), [("contact_lost", "-")]);
+    assert_eq!(found.verdict, Verdict::None);
+    assert_eq!(found.postures, POSTURES - 15);
     log.cells.iter_mut().for_each(|row| row[1] = 0.0);
-    let found = log.diagnose("r_sole").diagnosis;
-    assert_eq!(kinds(&found), [("contact_lost", "fsr_2")]);
+    let found = log.diagnose();
+    assert_eq!(kinds(&found.health), [("contact_lost", "fsr_2")]);
 }
 
 /// The noise is not known: it is taken from what is left, and columns are looked at all the same.
@@ -210,14 +199,14 @@ fn cells_without_load_are_named() {
 fn broken_columns_are_seen_without_a_known_noise() {
     let mut log = Log::of("r_sole", &[], |w| w, 68);
     log.noise_is_given = false;
-    assert!(log.diagnose("r_sole").diagnosis.health.is_empty());
+    assert!(log.diagnose().health.is_empty());
     let mut dead = log.clone();
     dead.cop.iter_mut().for_each(|y| *y = [0.01, -0.02]);
-    let knee = log.joints.iter().position(|name| name == "r_knee").unwrap();
-    log.q.iter_mut().for_each(|q| q[knee] = 0.1);
-    for (log, kind) in [(dead, "cop_constant"), (log, "encoder_stuck")] {
-        let found = log.diagnose("r_sole").diagnosis;
-        let kinds: Vec<&str> = found.health.iter().map(|h| h.kind.name()).collect();
-        assert_eq!(kinds, [kind], "{}", found.sentence);
+    let stuck = log.stuck("r_knee", 0.1);
+    for (log, only) in [
+        (dead, ("cop_constant", "-")),
+        (stuck, ("encoder_stuck", "r_knee")),
+    ] {
+        assert_eq!(kinds(&log.diagnose().health), [only]);
     }
 }

@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_identify::fit::{self, Identification};
+use sesc_identify::health::Finding;
 use sesc_identify::logs::LogSource;
-use sesc_test_support::command::{op2, sesc};
+use sesc_test_support::command::{Folder, says, stderr};
 use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::Recording;
 use sesc_test_support::stage::{Platform, Stage};
 
-use crate::asked::{self, fit_request, white};
+use crate::asked::{self, fit_request, kinds, white};
 
 /// An OP2 that swings at up to 0.4 Hz with noise of 0.5 mm.
 fn swing(seconds: f64, rate: f64, seed: u64) -> Recording {
@@ -21,32 +21,27 @@ fn swing(seconds: f64, rate: f64, seed: u64) -> Recording {
     swing.record(&stage, stage.world(), white(5e-4), rate, random)
 }
 
-fn table(recording: &Recording) -> LogSource {
-    asked::table(recording.columns(true)).into()
+fn fitted(log: impl Into<LogSource>) -> Vec<Finding> {
+    asked::fitted(&fit_request(&Stage::new(Platform::Op2), log)).health
 }
 
-fn fitted(log: LogSource) -> Identification {
-    let request = fit_request(&Stage::new(Platform::Op2), log);
-    fit::fit(&request, &mut ()).unwrap().identification
-}
-
-fn kinds(found: &Identification) -> Vec<(&str, &str)> {
-    let health = found.health.iter();
-    health.map(|h| (h.kind.name(), &*h.target)).collect()
+/// Finds this of a recording, and nothing else.
+fn finds(recording: &Recording, only: &[(&str, &str)]) {
+    assert_eq!(kinds(&fitted(recording.table(true))), only);
 }
 
 #[test]
 fn stamps_of_other_rows_are_seen() {
     let sound = swing(30.0, 50.0, 300);
     let n = sound.t.len();
-    assert_eq!(kinds(&fitted(table(&sound))), []);
+    finds(&sound, &[]);
     let mut permuted = sound.clone();
     // 1500 and 617 have no common divisor.
     permuted.t = (0..n).map(|k| sound.t[(617 * k + 11) % n]).collect();
-    assert_eq!(kinds(&fitted(table(&permuted))), [("rows_shuffled", "t")]);
+    finds(&permuted, &[("rows_shuffled", "t")]);
     let mut reversed = sound.clone();
     reversed.t.reverse();
-    assert_eq!(kinds(&fitted(table(&reversed))), [("rows_shuffled", "t")]);
+    finds(&reversed, &[("rows_shuffled", "t")]);
     // Whole rows in another order, and one recording behind another.
     let mut rows = sound.clone();
     for k in 0..n {
@@ -55,12 +50,12 @@ fn stamps_of_other_rows_are_seen() {
         rows.q[k] = sound.q[from].clone();
         rows.cop[k] = sound.cop[from];
     }
-    assert_eq!(kinds(&fitted(table(&rows))), []);
+    finds(&rows, &[]);
     let mut twice = sound.clone();
     let late = n / 2;
     let again: Vec<f64> = sound.t[..n - late].to_vec();
     twice.t[late..].copy_from_slice(&again);
-    assert_eq!(kinds(&fitted(table(&twice))), []);
+    finds(&twice, &[]);
 }
 
 /// Rows 60,000 to 70,000 of 100,000 are frozen, those from 62,000 on lie beyond the sole.
@@ -70,58 +65,37 @@ fn a_fault_that_begins_late_in_a_long_log_is_found() {
     assert_eq!(recording.t.len(), 100_000);
     let last = recording.cop[60_000];
     recording.cop[60_000..70_000].fill(last);
-    let csv = csv(&recording);
-    for log in [table(&recording), LogSource::bytes("log.csv", csv)] {
+    let csv = LogSource::bytes("log.csv", recording.csv(true).into_bytes());
+    for log in [recording.table(true).into(), csv] {
         let found = fitted(log);
         assert_eq!(kinds(&found), [("cop_frozen", "-")]);
-        let said = &found.health[0].sentence;
-        assert!(said.contains("rows that were looked at"), "{said}");
-        println!("{said}");
-        let picture = found.health[0].picture.as_ref().unwrap();
+        says(&found[0].sentence, &["rows that were looked at"]);
+        let picture = found[0].picture.as_ref().unwrap();
         let meant: Vec<usize> = picture.points.iter().filter(|p| p.2).map(|p| p.0).collect();
         let inside = |row: &usize| (60_001..=70_000).contains(row);
         assert!(meant.len() > 20 && meant.iter().all(inside), "{meant:?}");
         let numbers: BTreeSet<usize> = picture.points.iter().map(|p| p.0).collect();
-        assert!(
-            numbers
-                .into_iter()
-                .eq(picture.rows.iter().map(|row| row.number))
-        );
+        let shown = picture.rows.iter().map(|row| row.number);
+        assert!(numbers.into_iter().eq(shown));
         for row in &picture.rows {
             assert_eq!(row.q, recording.q[row.number - 1], "row {}", row.number);
         }
     }
 }
 
-fn csv(recording: &Recording) -> Vec<u8> {
-    let columns = recording.columns(true);
-    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
-    let mut text = names.join(",") + "\n";
-    for k in 0..recording.t.len() {
-        let row: Vec<String> = columns.iter().map(|(_, v)| v[k].to_string()).collect();
-        text += &(row.join(",") + "\n");
-    }
-    text.into_bytes()
-}
-
 /// Rows that are 10 ms apart by stamps in ms are 10 s apart for who reads seconds.
 #[test]
 fn stamps_in_milliseconds_and_stamps_that_stand_still_are_warned_of() {
     let mut recording = swing(30.0, 100.0, 320);
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::with("op2");
     let said = |recording: &Recording| {
-        let log = folder.path().join("log.csv");
-        std::fs::write(&log, csv(recording)).unwrap();
-        let log = log.display().to_string();
-        let given = ["fit", &op2(), "--support", "r_sole", "--data", &log];
-        String::from_utf8(sesc(&given).stderr).unwrap()
+        folder.write("log.csv", recording.csv(true));
+        stderr(&folder.run("fit op2.urdf --support r_sole --data log.csv"))
     };
     let sound = said(&recording);
     assert!(!sound.contains("`t`"), "{sound}");
     recording.t.iter_mut().for_each(|t| *t *= 1e3);
-    let slow = said(&recording);
-    assert!(slow.contains("is `t` in ms?"), "{slow}");
+    says(said(&recording), &["is `t` in ms?"]);
     recording.t.fill(3.0);
-    let still = said(&recording);
-    assert!(still.contains("`t` is 3 in every row"), "{still}");
+    says(said(&recording), &["`t` is 3 in every row"]);
 }

@@ -3,15 +3,14 @@
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::{self, Verdict};
-use sesc_identify::fit;
-use sesc_identify::health::Finding;
+use sesc_test_support::command::says;
 use sesc_test_support::moving::Swing;
 use sesc_test_support::recording::Recording;
 use sesc_test_support::stage::{Platform, Stage};
 
 use super::log::{Log, NOISE_M, POSTURES};
-use super::rows::{found_beside, hidden, only};
-use crate::asked::{fit_request, of_recording, white};
+use super::rows::{found_beside, hidden, only, owned};
+use crate::asked::{diagnosed, fit_request, fitted, kinds, of_recording, white};
 
 #[test]
 fn a_frozen_cop_is_left_out() {
@@ -19,13 +18,10 @@ fn a_frozen_cop_is_left_out() {
     let last = log.cop[19];
     log.cop[20..34].fill(last);
     assert_eq!(found_beside(&log), only("cop_frozen", "-"));
-    let found = log.diagnose("r_sole").diagnosis;
+    let found = log.diagnose();
     assert_eq!(found.postures, POSTURES - 15);
-    let said = &found.health[0].sentence;
-    assert!(
-        said.contains("In 15 rows (19 %, one stretch; the longest is rows 20 to 34)"),
-        "{said}"
-    );
+    let rows = "In 15 rows (19 %, one stretch; the longest is rows 20 to 34)";
+    says(&found.health[0].sentence, &[rows]);
 }
 
 #[test]
@@ -41,7 +37,7 @@ fn a_sensor_that_died_early_leaves_nothing() {
     let mut log = Log::of("r_sole", &[], |w| w, 92);
     let last = log.cop[5];
     log.cop[5..].fill(last);
-    let found = log.diagnose("r_sole").diagnosis;
+    let found = log.diagnose();
     assert_eq!(found.verdict, Verdict::Unusable);
     assert_eq!(found.health[0].kind.name(), "cop_constant");
 }
@@ -65,9 +61,7 @@ pub fn looked(stage: &Stage, recording: &Recording) -> Vec<(String, String)> {
 
 /// What a diagnosis finds wrong with the data that it is asked about.
 pub fn looked_at(request: &diagnose::Request) -> Vec<(String, String)> {
-    let found = diagnose::look(request, &mut ()).unwrap();
-    let named = |f: Finding| (f.kind.name().to_string(), f.target);
-    found.into_iter().map(named).collect()
+    owned(&diagnose::look(request, &mut ()).unwrap())
 }
 
 /// At a tenth of the joints' rate each reading comes ten times; that is no broken sensor, and
@@ -90,35 +84,19 @@ fn a_slow_sensor_is_not_frozen() {
 #[test]
 fn an_encoder_that_stops_in_the_middle_is_named_and_its_rows_are_left_out() {
     let mut recording = swing(94);
-    let stage = Stage::new(Platform::Op2);
-    let joints = stage.joint_names();
-    let knee = joints.iter().position(|joint| joint == "r_knee").unwrap();
+    let knee = recording.joint("r_knee");
     let at = recording.q[1000][knee];
     recording.q[1000..].iter_mut().for_each(|q| q[knee] = at);
     assert_eq!(looked(&op2(), &recording), only("encoder_stuck", "r_knee"));
     let request = of_recording(&op2(), &recording);
-    let found = diagnose::diagnose(&request, &mut ()).unwrap().diagnosis;
-    println!("{} {}", found.health[0].sentence, found.sentence);
-    assert!(
-        found.health[0].sentence.contains("rows 1001 to 1500"),
-        "{}",
-        found.health[0].sentence
-    );
+    let found = diagnosed(&request);
+    says(&found.health[0].sentence, &["rows 1001 to 1500"]);
     assert!(matches!(found.verdict, Verdict::None | Verdict::Absorbed));
-    assert!(
-        (900..=1000).contains(&found.samples.rows),
-        "{:?}",
-        found.samples
-    );
-    let fit = fit_request(&op2(), request.log.clone());
-    let found = fit::fit(&fit, &mut ()).unwrap().identification;
-    let health: Vec<&str> = found.health.iter().map(|h| h.target.as_str()).collect();
-    assert_eq!(health, ["r_knee"]);
-    assert!(
-        (900..=1000).contains(&found.samples.rows),
-        "{:?}",
-        found.samples
-    );
+    let kept = 900..=1000;
+    assert!(kept.contains(&found.samples.rows), "{:?}", found.samples);
+    let found = fitted(&fit_request(&op2(), request.log.clone()));
+    assert_eq!(kinds(&found.health), [("encoder_stuck", "r_knee")]);
+    assert!(kept.contains(&found.samples.rows), "{:?}", found.samples);
 }
 
 /// A knee that is really held for a third of the log is no finding, whatever is hidden in it.
@@ -134,27 +112,15 @@ fn a_joint_that_is_held_for_a_while_is_no_stuck_encoder() {
     for (k, world) in worlds.iter().enumerate() {
         let mut log = Log::of("r_sole", &[], |w| w, 95 + k as u64);
         let q = log.q.clone();
+        log.q = (0..480).map(|row| q[row % q.len()].clone()).collect();
+        log.q[160..320].iter_mut().for_each(|q| q[knee] = 0.3);
         // Each posture again and again, with noise of its own.
-        let still = |k: usize| (0.2 * (1.7 * k as f64).sin(), 0.2 * (2.3 * k as f64).cos());
-        log.q = (0..480)
-            .map(|row| {
-                let mut q = q[row % q.len()].clone();
-                if (160..320).contains(&row) {
-                    q[knee] = 0.3;
-                }
-                q
-            })
-            .collect();
-        let noise = |x: f64| NOISE_M * x / 0.14;
-        log.cop = (0..480)
-            .map(|row| {
-                let (x, y) = still(row);
-                let cop = world.cop(&log.q[row]);
-                [cop[0] + noise(x), cop[1] + noise(y)]
-            })
-            .collect();
-        let found = log.diagnose("r_sole").diagnosis.health;
-        let kinds: Vec<&str> = found.iter().map(|h| h.kind.name()).collect();
-        assert_eq!(kinds, [""; 0], "{k}");
+        let cop = log.q.iter().enumerate().map(|(row, q)| {
+            let [x, y] = world.cop(q);
+            let [a, b] = [(1.7 * row as f64).sin(), (2.3 * row as f64).cos()];
+            [x + 1.4 * NOISE_M * a, y + 1.4 * NOISE_M * b]
+        });
+        log.cop = cop.collect();
+        assert_eq!(kinds(&log.diagnose().health), [], "{k}");
     }
 }

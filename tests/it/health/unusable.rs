@@ -1,14 +1,13 @@
 //! Data that nothing can be done with, and a stuck encoder.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use sesc_identify::diagnose::Verdict;
 use sesc_identify::robot::Robot;
 use sesc_reference::World;
-use sesc_test_support::command::ROOT;
 
 use super::log::{Log, POSTURES, finds, finds_nothing};
+use crate::asked::lists;
 
 #[test]
 fn dead_sensors_are_named_and_nothing_is_fitted_to_them() {
@@ -29,14 +28,13 @@ fn the_other_foot_is_named() {
 /// A frame on the sole whose x axis, or y axis, is its normal.
 #[test]
 fn a_turned_frame_is_named() {
-    let robot = Robot::read(Path::new(&format!("{ROOT}/robots/op2/op2.urdf"))).unwrap();
     for (seed, rpy) in [(8, "0 1.5707963267948966 0"), (9, "1.5707963267948966 0 0")] {
         let more = format!(
             "<link name='turned'/><joint name='turn' type='fixed'><parent link='r_sole'/>\
              <child link='turned'/><origin xyz='0 0 0' rpy='{rpy}'/></joint></robot>"
         );
-        let text = robot.text().replace("</robot>", &more);
         let mut log = Log::of("r_sole", &[], |w| w, seed);
+        let text = log.robot.text().replace("</robot>", &more);
         log.robot = Arc::new(Robot::parse(&text, "op2.urdf").unwrap());
         finds(&log, "turned", "frame_turned", "turned", false);
         finds_nothing(&log, seed);
@@ -47,10 +45,8 @@ fn a_turned_frame_is_named() {
 fn shuffled_rows_are_seen() {
     let mut log = Log::of("r_sole", &[], |w| w, 4);
     // A fixed permutation without a fixed point.
-    let shuffled: Vec<[f64; 2]> = (0..POSTURES)
-        .map(|k| log.cop[(37 * k + 11) % POSTURES])
-        .collect();
-    log.cop = shuffled;
+    let shuffled = (0..POSTURES).map(|k| log.cop[(37 * k + 11) % POSTURES]);
+    log.cop = shuffled.collect();
     finds(&log, "r_sole", "rows_shuffled", "-", false);
 }
 
@@ -83,37 +79,25 @@ fn a_dead_axis_may_be_noisy() {
 
 #[test]
 fn a_stuck_encoder_is_named_and_a_joint_that_stands_still_is_not() {
-    for joint in ["r_knee", "r_ank_pitch", "r_hip_roll"] {
-        let mut log = Log::of("r_sole", &[], |w| w, 5);
-        let at = log.joints.iter().position(|name| name == joint).unwrap();
-        log.q.iter_mut().for_each(|q| q[at] = 0.1);
-        finds(&log, "r_sole", "encoder_stuck", joint, true);
+    let log = Log::of("r_sole", &[], |w| w, 5);
+    // Last it says a place far from most where the joint is.
+    let [knee, ankle, hip] = ["r_knee", "r_ank_pitch", "r_hip_roll"];
+    for (joint, at) in [(knee, 0.1), (ankle, 0.1), (hip, 0.1), (knee, 0.8)] {
+        let stuck = log.clone().stuck(joint, at);
+        finds(&stuck, "r_sole", "encoder_stuck", joint, true);
     }
-    // It says a place far from most where the joint is.
-    let mut log = Log::of("r_sole", &[], |w| w, 5);
-    let at = log.joints.iter().position(|name| name == "r_knee").unwrap();
-    log.q.iter_mut().for_each(|q| q[at] = 0.8);
-    finds(&log, "r_sole", "encoder_stuck", "r_knee", true);
     // It really stands still; nothing, or another joint's offset, is to be found.
     let still = ["r_knee", "r_hip_pitch", "head_pan", "l_knee"];
-    let log = Log::of("r_sole", &still, |w| w, 6);
-    finds_nothing(&log, 6);
-    let offset = |w: World| w.joint_offset("r_ank_pitch", 0.05).unwrap();
-    finds_nothing(&Log::of("r_sole", &still, offset, 7), 7);
-    let own = |w: World| w.joint_offset("r_knee", 0.2).unwrap();
-    finds_nothing(&Log::of("r_sole", &still, own, 9), 9);
-    let large = |w: World| w.joint_offset("r_ank_pitch", 0.2).unwrap();
-    finds_nothing(&Log::of("r_sole", &still, large, 8), 8);
-    let drift = |w: World| w.sensor_drift([0.02, 0.0]);
-    finds_nothing(&Log::of("r_sole", &still, drift, 9), 9);
-}
-
-/// A log in which the encoder of a joint is stuck.
-fn stuck(joint: &str, hide: impl Fn(World) -> World, seed: u64) -> Log {
-    let mut log = Log::of("r_sole", &[], hide, seed);
-    let at = log.joints.iter().position(|name| name == joint).unwrap();
-    log.q.iter_mut().for_each(|q| q[at] = 0.1);
-    log
+    let hidden: [fn(World) -> World; 5] = [
+        |w| w,
+        |w| w.joint_offset("r_ank_pitch", 0.05).unwrap(),
+        |w| w.joint_offset("r_knee", 0.2).unwrap(),
+        |w| w.joint_offset("r_ank_pitch", 0.2).unwrap(),
+        |w| w.sensor_drift([0.02, 0.0]),
+    ];
+    for (hide, seed) in hidden.into_iter().zip([6, 7, 9, 8, 9]) {
+        finds_nothing(&Log::of("r_sole", &still, hide, seed), seed);
+    }
 }
 
 /// Whoever states the noise: each posture spends a reading on where the joint is.
@@ -121,12 +105,11 @@ fn stuck(joint: &str, hide: impl Fn(World) -> World, seed: u64) -> Log {
 fn beside_a_stuck_encoder_nothing_false_is_named() {
     for (case, joint) in (60..).zip(["r_knee", "r_ank_pitch", "r_hip_roll"]) {
         for noise_is_given in [true, false] {
-            let mut log = stuck(joint, |w| w, case);
+            let mut log = Log::of("r_sole", &[], |w| w, case).stuck(joint, 0.1);
             log.noise_is_given = noise_is_given;
-            let found = log.diagnose("r_sole").diagnosis;
-            println!("{joint}, {noise_is_given}: {}", found.sentence);
+            let found = log.diagnose();
             assert_eq!(found.health[0].kind.name(), "encoder_stuck");
-            assert_eq!(found.verdict, Verdict::None);
+            assert_eq!(found.verdict, Verdict::None, "{joint}");
         }
     }
 }
@@ -134,10 +117,9 @@ fn beside_a_stuck_encoder_nothing_false_is_named() {
 #[test]
 fn what_else_is_wrong_is_found_beside_a_stuck_encoder() {
     let offset = |w: World| w.joint_offset("r_hip_roll", 0.03).unwrap();
-    let found = stuck("r_knee", offset, 70).diagnose("r_sole").diagnosis;
-    println!("{}", found.sentence);
+    let found = Log::of("r_sole", &[], offset, 70)
+        .stuck("r_knee", 0.1)
+        .diagnose();
     assert_eq!(found.health[0].kind.name(), "encoder_stuck");
-    let members = &found.indistinguishable;
-    let is = |member: &Vec<String>| *member == ["joint_offset:r_hip_roll"];
-    assert!(members.iter().any(is), "{members:?}");
+    lists(&found, &["joint_offset:r_hip_roll"]);
 }

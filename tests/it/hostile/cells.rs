@@ -1,8 +1,6 @@
 //! Foot cells on which nothing stands have no CoP, whatever their noise says.
 
-use std::fmt::Write as _;
-
-use sesc_test_support::command::Folder;
+use sesc_test_support::command::{Folder, says};
 
 /// Corners of a sole, m.
 const CELLS: [[f64; 2]; 4] = [[0.1, 0.05], [0.1, -0.05], [-0.1, -0.05], [-0.1, 0.05]];
@@ -10,25 +8,18 @@ const CELLS: [[f64; 2]; 4] = [[0.1, 0.05], [0.1, -0.05], [-0.1, -0.05], [-0.1, 0
 /// A log of four cells that carry `load(row)` N together, from the CoP of a simulated one.
 fn log(folder: &Folder, name: &str, load: impl Fn(usize) -> f64) {
     folder.stdout("simulate two_link.urdf --support foot --poses 60 --noise 0.0005 --out cop.csv");
-    let text = folder.read("cop.csv");
-    let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
-    let place = |name: &str| header.iter().position(|own| *own == name).unwrap();
-    let places = ["ankle", "knee", "cop_x", "cop_y"].map(place);
-    let mut out = "ankle,knee,fsr_1,fsr_2,fsr_3,fsr_4\n".to_string();
-    for (k, line) in text.lines().skip(1).enumerate() {
-        let cells: Vec<f64> = line.split(',').map(|x| x.parse().unwrap_or(0.0)).collect();
-        let [ankle, knee, x, y] = places.map(|at| cells[at]);
-        let _ = write!(out, "{ankle},{knee}");
-        for [px, py] in CELLS {
-            // Four corners share a load so that their mean place is the CoP.
-            let share = (1.0 + x / px + y / py) / 4.0;
-            let _ = write!(out, ",{:e}", load(k) * share);
-        }
-        out += "\n";
+    let mut log = folder.sheet("cop.csv");
+    let cop = log.cop();
+    log.keep(|name| ["ankle", "knee"].contains(&name));
+    for (cell, [px, py]) in CELLS.into_iter().enumerate() {
+        // Four corners share a load so that their mean place is the CoP.
+        let share = |[x, y]: [f64; 2]| (1.0 + x / px + y / py) / 4.0;
+        let cell = format!("fsr_{}", cell + 1);
+        log.add(&cell, |k| format!("{:e}", load(k) * share(cop[k])));
     }
     let sidecar = format!("support = 'foot'\ncells = {CELLS:?}\n");
     folder.write(&format!("{name}.toml"), sidecar);
-    folder.write(name, out);
+    folder.write(name, log.to_string());
 }
 
 #[test]
@@ -45,9 +36,7 @@ fn less_than_a_newton_is_no_contact() {
         _ => 1e-300,
     });
     let found = folder.json("fit two_link.urdf --data lifted.csv");
-    let said = found.to_string();
-    assert!(said.contains("contact_lost"), "{said}");
-    assert!(said.contains("In 36 rows (60 %"), "{said}");
+    says(found.to_string(), &["contact_lost", "In 36 rows (60 %"]);
     assert_eq!([&whole["postures"], &found["postures"]], [60, 24]);
     // In every row: nothing stands there.
     for load in [1e-300, 0.9, -30.0] {

@@ -7,12 +7,12 @@ use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 
 use sesc_test_support::command::{Folder, folder, printed, program, stderr};
-use sesc_test_support::kills::{WRITERS, inputs};
+use sesc_test_support::kills::{inputs, writers};
 
 /// All commands that write, but for the demo, which takes seconds.
 fn lines() -> impl Iterator<Item = String> {
-    let writers = WRITERS.iter().filter(|writer| writer.name != "demo");
-    writers.map(|writer| writer.line(0))
+    let lasting = writers().filter(|writer| writer.name != "demo");
+    lasting.map(|writer| writer.line(0))
 }
 
 /// Exit code 2 and an error, and the folder has these files.
@@ -103,7 +103,7 @@ fn in_a_read_only_folder_nothing_is_written() {
 fn of_four_writers_at_once_one_has_all_files() {
     let inputs = inputs();
     let pair = ["simulate, CSV", "fit", "generate, C"];
-    for writer in WRITERS.iter().filter(|writer| pair.contains(&writer.name)) {
+    for writer in writers().filter(|writer| pair.contains(&&*writer.name)) {
         let whole = [0, 1].map(|version| {
             inputs.stdout(&writer.line(version));
             inputs.files()

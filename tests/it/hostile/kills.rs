@@ -2,7 +2,7 @@
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_test_support::kills::{Victim, WRITERS};
+use sesc_test_support::kills::{Victim, writers};
 
 /// Kills of each command.
 const KILLS: u32 = 12;
@@ -13,7 +13,7 @@ fn killed_commands_leave_old_files_or_new_ones() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut hit = 0;
     // A demo takes seconds.
-    for writer in WRITERS.into_iter().filter(|writer| writer.name != "demo") {
+    for writer in writers().filter(|writer| writer.name != "demo") {
         hit += Victim::new(writer).kill(KILLS, &mut rng).unwrap();
     }
     assert!(hit >= 3 * KILLS, "only {hit} were killed before their end");

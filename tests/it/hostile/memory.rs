@@ -12,10 +12,11 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sesc_test_support::command::Folder;
-use sesc_test_support::contacts::{Contact, recording};
+use sesc_test_support::command::{Folder, rows};
+use sesc_test_support::contacts::{recording, soles};
 use sesc_test_support::feet::Noise;
 use sesc_test_support::stage::{Platform, Stage};
+use sesc_test_support::trees::Urdf;
 
 /// What a command takes whatever it reads, bytes: the program itself, robot, threads.
 const BASE: u64 = 120 << 20;
@@ -146,10 +147,6 @@ fn packed_logs_take_memory_in_proportion_to_the_file() {
         }
     }
     let stage = Stage::new(Platform::Op2);
-    let contacts = ["r_sole", "l_sole"].map(|link| Contact {
-        topic: format!("/{link}/wrench"),
-        frame: link.to_string(),
-    });
     let noise = Noise {
         cop_m: 5e-4,
         encoder_rad: 5e-4,
@@ -158,7 +155,7 @@ fn packed_logs_take_memory_in_proportion_to_the_file() {
     for poses in [100, 400] {
         let random = &mut ChaCha8Rng::seed_from_u64(1);
         let world = stage.world();
-        let recorded = recording(&stage, &world, poses, noise, &contacts, random);
+        let recorded = recording(&stage, &world, poses, noise, &soles(), random);
         fs::write(folder.join("log.mcap"), recorded).unwrap();
         fit("MCAP", "log.mcap");
     }
@@ -183,19 +180,14 @@ fn broken_logs_of_many_joints_take_memory_in_proportion_to_the_file() {
     for joints in [60, 120] {
         folder.write("r.urdf", super::sizes::chain(joints, false));
         folder.stdout("simulate r.urdf --support l0 --poses 320 --range 5 --out log.csv");
-        let text = folder.read("log.csv");
-        let (header, rows) = text.split_once('\n').unwrap();
-        assert!(header.ends_with("cop_x,cop_y"), "{header}");
         // Each posture has the reading of the one before it.
-        let rows: Vec<Vec<&str>> = rows
-            .lines()
-            .map(|row| row.rsplitn(3, ',').collect())
-            .collect();
-        let before = rows.iter().cycle().skip(rows.len() - 1);
-        let broken = rows.iter().zip(before);
-        let broken =
-            broken.map(|(own, before)| format!("{},{},{}\n", own[2], before[1], before[0]));
-        let text = format!("{header}\n{}", broken.collect::<String>());
+        let mut broken = folder.sheet("log.csv");
+        for name in ["cop_x", "cop_y"] {
+            let mut column = broken.numbers(&[name]).concat();
+            column.rotate_right(1);
+            (0..320).for_each(|k| broken.set(name, Some(k), &column[k].to_string()));
+        }
+        let text = broken.to_string();
         folder.write("broken.csv", &text);
         let most = peak(&folder, "fit r.urdf --support l0 --data broken.csv");
         bounded("broken log", 20, text.len() as u64, most);
@@ -218,50 +210,37 @@ fn urdfs_take_memory_in_proportion_to_the_file() {
 
 /// A robot of four joints that carries `n` links that do not move, each with what `each` says.
 fn loaded<'a>(n: usize, each: impl Fn(usize) -> &'a str) -> String {
-    let mass = "<inertial><origin xyz='0 0 .1'/><mass value='1'/></inertial>";
-    let mut text = format!("<robot name='r'><link name='l0'>{mass}</link>");
+    let mut robot = Urdf::new("r").link("l0", 1.0, "0 0 .1");
     for k in 1..5 {
-        text += &format!(
-            "<link name='l{k}'>{mass}</link><joint name='j{k}' type='revolute'>\
-             <parent link='l{}'/><child link='l{k}'/><origin xyz='0 0 .2'/><axis xyz='{} {} 0'/>\
-             <limit lower='-.3' upper='.3'/></joint>",
-            k - 1,
-            k % 2,
-            1 - k % 2
-        );
+        let (parent, link) = (format!("l{}", k - 1), format!("l{k}"));
+        let axis = format!("{} {} 0", k % 2, 1 - k % 2);
+        robot = robot.link(&link, 1.0, "0 0 .1");
+        robot = robot.revolute(&format!("j{k}"), [&parent, &link], "0 0 .2", &axis, 0.3);
     }
     for k in 0..n {
-        text += &format!(
-            "<link name='x{k}'>{}</link><joint name='f{k}' type='fixed'><parent link='l{}'/>\
-             <child link='x{k}'/></joint>",
-            each(k),
-            1 + k % 4
-        );
+        let (parent, link) = (format!("l{}", 1 + k % 4), format!("x{k}"));
+        robot = robot.raw(&format!("<link name='{link}'>{}</link>", each(k)));
+        robot = robot.joint(&format!("f{k}"), "fixed", [&parent, &link], "");
     }
-    text + "</robot>"
+    robot.text()
 }
 
 /// Commands, each with the axes of input that it has: `m`echanics of the URDF, a `l`og, a model
 /// file's `e`ffects.
-const COMMANDS: [(&str, &str); 14] = [
-    ("inspect r.urdf", "m"),
-    ("generate r.urdf --lang c --out c", "m"),
-    ("generate r.urdf --lang rust --out rust", "m"),
-    ("generate r.urdf --lang c --model model.toml --out c", "e"),
-    ("verify r.urdf --samples 5", "m"),
-    ("verify r.urdf --samples 5 --model model.toml", "e"),
-    (
-        "plan r.urdf --poses 6 --candidates 60 --cop-box 1 --out poses.csv",
-        "m",
-    ),
-    ("simulate r.urdf --poses 6 --out new.csv", "m"),
-    ("predict r.urdf --data log.csv", "ml"),
-    ("predict r.urdf --data log.csv --model model.toml", "e"),
-    ("fit r.urdf --data log.csv", "ml"),
-    ("diagnose r.urdf --data log.csv", "ml"),
-    ("compare log.csv later.csv --urdf r.urdf", "ml"),
-    ("fleet r.urdf --data log.csv --out fleet.csv", "ml"),
-];
+const COMMANDS: &str = "inspect r.urdf | m
+    generate r.urdf --lang c --out c | m
+    generate r.urdf --lang rust --out rust | m
+    generate r.urdf --lang c --model model.toml --out c | e
+    verify r.urdf --samples 5 | m
+    verify r.urdf --samples 5 --model model.toml | e
+    plan r.urdf --poses 6 --candidates 60 --cop-box 1 --out poses.csv | m
+    simulate r.urdf --poses 6 --out new.csv | m
+    predict r.urdf --data log.csv | ml
+    predict r.urdf --data log.csv --model model.toml | e
+    fit r.urdf --data log.csv | ml
+    diagnose r.urdf --data log.csv | ml
+    compare log.csv later.csv --urdf r.urdf | ml
+    fleet r.urdf --data log.csv --out fleet.csv | ml";
 
 /// An axis along which an input grows: its name, its kind as in [`COMMANDS`], two sizes, and the
 /// memory that one piece takes at most, bytes; of `joints`, that each of their pairs takes.
@@ -278,41 +257,22 @@ const AXES: [Axis; 8] = [
     ("effects", 'e', [10, 40], 500_000),
 ];
 
-/// `pose`, joints and readings of a log as rows of texts, with its header.
-fn read(folder: &Folder, log: &str) -> Vec<Vec<String>> {
-    let text = folder.read(log);
-    let fields = |line: &str| line.split(',').map(str::to_string).collect();
-    text.lines().map(fields).collect()
-}
-
-fn written(folder: &Folder, log: &str, rows: &[Vec<String>]) {
-    let lines: Vec<String> = rows.iter().map(|row| row.join(",")).collect();
-    folder.write(log, lines.join("\n"));
-}
-
 /// Logs whose CoP is that of `n` cells on a circle: f = 1 + 2 p·c/r².
 fn with_cells(folder: &Folder, n: usize) {
     const RADIUS: f64 = 0.05;
     let places = (0..n).map(|k| (TAU * k as f64 / n as f64).sin_cos());
     let places: Vec<[f64; 2]> = places.map(|(s, c)| [RADIUS * c, RADIUS * s]).collect();
     for log in ["log.csv", "later.csv"] {
-        let mut rows = read(folder, log);
-        for (k, row) in rows.iter_mut().enumerate() {
-            let cop = row.split_off(row.len() - 2);
-            let force = |p: &[f64; 2]| {
-                let [x, y] = [0, 1].map(|axis| cop[axis].parse::<f64>().unwrap() * p[axis]);
-                (1.0 + 2.0 * (x + y) / (RADIUS * RADIUS)).to_string()
-            };
-            match k {
-                0 => row.extend((1..=n).map(|k| format!("fsr_{k}"))),
-                _ => row.extend(places.iter().map(force)),
-            }
+        let mut sheet = folder.sheet(log);
+        let cop = sheet.cop();
+        sheet.keep(|name| !name.starts_with("cop_"));
+        for (cell, p) in places.iter().enumerate() {
+            let force = |y: [f64; 2]| 1.0 + 2.0 * (y[0] * p[0] + y[1] * p[1]) / (RADIUS * RADIUS);
+            sheet.add(&format!("fsr_{}", cell + 1), |k| force(cop[k]).to_string());
         }
-        written(folder, log, &rows);
-        folder.write(
-            &format!("{log}.toml"),
-            format!("support = \"l0\"\ncells = {places:?}\n"),
-        );
+        folder.write(log, sheet.to_string());
+        let sidecar = format!("support = \"l0\"\ncells = {places:?}\n");
+        folder.write(&format!("{log}.toml"), sidecar);
     }
 }
 
@@ -320,36 +280,26 @@ fn with_cells(folder: &Folder, n: usize) {
 fn made(folder: &Folder, axis: &str, n: usize) {
     let light = "<inertial><mass value='.001'/></inertial>";
     let shape = "<collision><geometry><box size='.01 .01 .01'/></geometry></collision>";
-    folder.write(
-        "r.urdf",
-        match axis {
-            "fixed links" => loaded(n, |k| ["", light][k % 2]),
-            "collision shapes" => loaded(n, |_| shape),
-            "joints" | "effects" => super::sizes::chain(n, false),
-            "mimic joints" => super::sizes::chain(n, true),
-            _ => loaded(0, |_| ""),
-        },
-    );
-    let poses = if axis == "rows" {
-        n
-    } else {
-        2 * n.min(40) + 40
+    let robot = match axis {
+        "fixed links" => loaded(n, |k| ["", light][k % 2]),
+        "collision shapes" => loaded(n, |_| shape),
+        "joints" | "effects" => super::sizes::chain(n, false),
+        "mimic joints" => super::sizes::chain(n, true),
+        _ => loaded(0, |_| ""),
     };
-    let simulate = "simulate r.urdf --support l0 --range 5";
+    folder.write("r.urdf", robot);
+    let few = 2 * n.min(40) + 40;
+    let poses = if axis == "rows" { n } else { few };
     for (seed, log) in [(1, "log.csv"), (2, "later.csv")] {
-        folder.stdout(&format!(
-            "{simulate} --poses {poses} --seed {seed} --out {log}"
-        ));
+        let options = format!("--range 5 --poses {poses} --seed {seed} --out {log}");
+        folder.stdout(&format!("simulate r.urdf --support l0 {options}"));
     }
     match axis {
         "columns" => {
             for log in ["log.csv", "later.csv"] {
-                let mut rows = read(folder, log);
-                rows[0].extend((0..n).map(|k| format!("note_{k}")));
-                rows[1..]
-                    .iter_mut()
-                    .for_each(|row| row.extend(vec!["0".to_string(); n]));
-                written(folder, log, &rows);
+                let mut sheet = folder.sheet(log);
+                (0..n).for_each(|k| sheet.add(&format!("note_{k}"), |_| "0".to_string()));
+                folder.write(log, sheet.to_string());
             }
         }
         "cells" => with_cells(folder, n),
@@ -362,12 +312,9 @@ fn made(folder: &Folder, axis: &str, n: usize) {
                 )
             };
             let effects: String = (1..=n).map(effect).collect();
-            let text = folder.read("model.toml");
-            let at = text.find("[information]").unwrap();
-            folder.write(
-                "model.toml",
-                format!("{}{effects}{}", &text[..at], &text[at..]),
-            );
+            let mut text = folder.read("model.toml");
+            text.insert_str(text.find("[information]").unwrap(), &effects);
+            folder.write("model.toml", text);
         }
         _ => {}
     }
@@ -381,13 +328,11 @@ fn every_command_takes_bounded_memory_along_every_axis() {
             let folder = Folder::empty();
             made(&folder, axis, n);
             let pieces = if axis == "joints" { n * n } else { n } as u64;
-            for (command, kinds) in COMMANDS {
-                if kinds.contains(kind) {
-                    let (most, end) = ended(&folder, &format!("{command} --support l0"));
-                    let what = format!("{command}: {n} {axis}");
-                    assert!(matches!(end.code(), Some(0 | 1)), "{what}: {end}");
-                    bounded(&what, each, pieces, most);
-                }
+            for command in rows(COMMANDS).iter().filter(|row| row[1].contains(kind)) {
+                let (most, end) = ended(&folder, &format!("{} --support l0", command[0]));
+                let what = format!("{}: {n} {axis}", command[0]);
+                assert!(matches!(end.code(), Some(0 | 1)), "{what}: {end}");
+                bounded(&what, each, pieces, most);
             }
         }
     }

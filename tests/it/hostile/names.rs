@@ -6,7 +6,7 @@ use std::fs;
 use std::process::{Command, Output};
 
 use sesc_test_support::child::Child;
-use sesc_test_support::command::{Folder, folder, in_words, printed, refused, sesc, stdout, write};
+use sesc_test_support::command::{Folder, printed, refused, stdout};
 
 /// Names of links, joints and robots without blanks; none has what a URDF is refused for.
 const NAMES: &str = r###"
@@ -23,27 +23,12 @@ const NAMES: &str = r###"
 /// The same with blanks, characters that are not seen, and beyond all lengths.
 fn names() -> Vec<String> {
     let with_blanks = [
-        "a */ int evil; /*",
-        "/* bar",
-        "// x",
-        "#define x",
-        "#include \"/etc/passwd\"",
-        "\"); exit(1); (\"",
-        "{{ 7*7 }}",
-        "{% raw %}",
-        "</script><b id=hostile>",
-        "<b id=hostile>",
-        "=cmd|'/C calc'!A0",
-        "# title",
-        "* item",
-        "l knee",
-        "*/ \" <b id=hostile> ??/",
-        "a\u{200d}b",
-        "e\u{301}",
-        "\u{feff}a",
-        "\u{a0}",
-        "\u{200b}*/\u{200d}",
+        "a */ int evil; /*\n/* bar\n// x\n#define x\n#include \"/etc/passwd\"\n\"); exit(1); (\"",
+        "{{ 7*7 }}\n{% raw %}\n</script><b id=hostile>\n<b id=hostile>\n=cmd|'/C calc'!A0",
+        "# title\n* item\nl knee\n*/ \" <b id=hostile> ??/\na\u{200d}b\ne\u{301}",
+        "\u{feff}a\n\u{a0}\n\u{200b}*/\u{200d}",
     ];
+    let with_blanks = with_blanks.iter().flat_map(|names| names.split('\n'));
     let names = NAMES.split_ascii_whitespace().chain(with_blanks);
     let names = names
         .filter(|name| !name.trim().is_empty())
@@ -88,11 +73,12 @@ fn robot(robot: &str, joints: &[String]) -> String {
 #[test]
 #[cfg(target_os = "linux")]
 fn code_of_hostile_names_compiles_without_a_warning() {
-    let folder = folder();
+    let folder = Folder::empty();
     let names = names();
     let some: Vec<String> = names.iter().step_by(4).cloned().collect();
     let mut library = String::from("#![deny(warnings)]\n");
     let child = Child::new("hostile-names", "");
+    let source = child.path("src").display().to_string();
     let mut c = Vec::new();
     for (k, name) in names.iter().enumerate() {
         // One of all names, four times, so that every name is a joint somewhere.
@@ -102,21 +88,22 @@ fn code_of_hostile_names_compiles_without_a_warning() {
         };
         // The file's name goes into the header, too.
         let file: String = name.chars().filter(|c| *c != '/').take(40).collect();
-        let file = format!("{file}{k}.urdf");
-        let urdf = write(folder.path(), &file, robot(name, &joints));
+        let urdf = folder.write(&format!("{file}{k}.urdf"), robot(name, &joints));
         let module = format!("robot_{k}");
         // A name that begins with a dash is an option unless it is joined.
         let support = format!("--support={name}");
-        let generate = ["generate", &urdf, &support, "--name", &module, "--out"];
-        let at = |name: &str| folder.path().join(name).display().to_string();
-        let source = child.path("src").display().to_string();
-        quiet(&sesc(&[&generate[..], &[&source]].concat()), &[0]);
+        let generate = "generate @ @ --name @ --out @";
+        quiet(
+            &folder.run_on(generate, &[&urdf, &support, &module, &source]),
+            &[0],
+        );
         let _ = writeln!(library, "pub mod {module};");
         let scalar = ["f64", "f32", "fixed32"][k % 3];
         let layout = ["bare", "cmake", "platformio", "arduino"][k % 4];
-        let options = ["--lang", "c", "--scalar", scalar, "--layout", layout];
+        let in_c = format!("{generate} --lang c --scalar {scalar} --layout {layout}");
+        let out = format!("c{k}");
         quiet(
-            &sesc(&[&generate[..], &[&at(&format!("c{k}"))], &options].concat()),
+            &folder.run_on(&in_c, &[&urdf, &support, &module, &out]),
             &[0],
         );
         let [include, source] = match layout {
@@ -124,23 +111,14 @@ fn code_of_hostile_names_compiles_without_a_warning() {
             "arduino" => ["/src", "/src"],
             _ => ["/include", "/src"],
         };
-        c.push((
-            format!("-Ic{k}{include}"),
-            format!("c{k}{source}/{module}.c"),
-        ));
+        let file = format!("c{k}{source}/{module}.c");
+        c.push((format!("-Ic{k}{include}"), file));
     }
     for (include, file) in &c {
         let mut cc = Command::new("cc");
-        cc.args([
-            "-std=c99",
-            "-trigraphs",
-            "-pedantic",
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-        ]);
+        cc.args("-std=c99 -trigraphs -pedantic -Wall -Wextra -Werror".split(' '));
         cc.args(["-Wbidi-chars=any", "-fsyntax-only", include, file]);
-        printed(cc.current_dir(&folder));
+        printed(cc.current_dir(folder.path()));
     }
     child.write("src/lib.rs", &library);
     child.cargo(&["check"]).unwrap();
@@ -173,32 +151,20 @@ fn carried(name: &str) -> bool {
 /// what it says, and no name becomes a part of it.
 #[test]
 fn documents_of_hostile_names_stay_documents() {
-    let folder = folder();
-    let at = |name: &str| folder.path().join(name).display().to_string();
+    let folder = Folder::empty();
     let joints: Vec<String> = names().into_iter().filter(|name| carried(name)).collect();
     let name = "</script><b id=hostile>";
     for (k, joints) in joints.chunks(24).enumerate() {
-        let urdf = write(folder.path(), "r.urdf", robot(name, joints));
-        let log = at(&format!("log{k}.csv"));
-        let simulate = in_words(
-            "simulate @ --support @ --poses 80 --noise 0.0005",
-            &[&urdf, name],
-        );
-        let written = sesc(&[&simulate[..], &["--range", "20", "--out", &log]].concat());
-        stdout(&written);
-        let (model, page, part) = (at("model.toml"), at("page.html"), at("corrected.urdf"));
-        let fit = [
-            "fit", &urdf, "--data", &log, "--json", "--out", &model, "--report", &page,
-        ];
-        let answer = stdout(&sesc(&[&fit[..], &["--urdf", &part]].concat()));
-        let json: serde_json::Value = serde_json::from_str(&answer).unwrap();
+        folder.write("r.urdf", robot(name, joints));
+        let simulate = "simulate r.urdf --support @ --poses 80 --noise 0.0005 --range 20 --out @";
+        stdout(&folder.run_on(simulate, &[name, &format!("log{k}.csv")]));
+        let outputs = "--out model.toml --report page.html --urdf corrected.urdf";
+        let json = folder.json(&format!("fit r.urdf --data log{k}.csv {outputs}"));
         assert_eq!(json["robot"], name);
-        let text = fs::read_to_string(&model).unwrap();
-        let table: toml::Table = text.parse().unwrap();
-        assert_eq!(table["support"].as_str(), Some(name));
-        scripts(&page);
+        assert_eq!(folder.toml("model.toml")["support"].as_str(), Some(name));
+        scripts(&folder.read("page.html"));
         // The corrected URDF has the names that it had.
-        let corrected = fs::read_to_string(&part).unwrap();
+        let corrected = folder.read("corrected.urdf");
         let document = roxmltree::Document::parse(&corrected).unwrap();
         let kept = |name: &String| {
             let mut nodes = document.descendants();
@@ -209,13 +175,11 @@ fn documents_of_hostile_names_stay_documents() {
 }
 
 /// The number of scripts of a page that names are no element of.
-fn scripts(path: &str) -> usize {
-    let text = fs::read_to_string(path).unwrap_or_else(|error| panic!("{path}: {error}"));
-    assert!(!text.contains("<b id=hostile"), "{path}");
-    assert!(!text.contains(OBEYED), "{path}");
-    assert!(text.trim_end().ends_with("</html>"), "{path}");
-    let ends = text.matches("</script").count();
-    assert_eq!(text.matches("<script").count(), ends, "{path}");
+fn scripts(page: &str) -> usize {
+    assert!(!page.contains("<b id=hostile") && !page.contains(OBEYED));
+    assert!(page.trim_end().ends_with("</html>"));
+    let ends = page.matches("</script").count();
+    assert_eq!(page.matches("<script").count(), ends);
     ends
 }
 
@@ -239,71 +203,51 @@ fn quiet(output: &Output, codes: &[i32]) {
 #[test]
 #[cfg(unix)]
 fn pages_of_hostile_names_stay_pages() {
-    let hostile = [
-        "*/\"</script><b id=hostile>",
-        "</script>??/",
-        "]]>&amp;膝",
-        "=cmd|'{{%s",
-        "--><!--",
-    ];
-    let hostile = hostile.map(str::to_string).to_vec();
-    let plain = (0..5).map(|k| format!("part {k}")).collect();
-    let [plain, hostile] = [(plain, ""), (hostile, "\u{1b}[2J\u{202e}\u{7}")].map(
-        |(names, title): (Vec<String>, &str)| {
-            let folder = folder();
-            let at = |name: &str| folder.path().join(name).display().to_string();
-            let of = |name: &str| at(&format!("{title}{name}"));
-            let support = format!("--support={}", names[0]);
-            let urdf = write(
-                folder.path(),
-                &format!("{title}r.urdf"),
-                robot(&names[0], &names[1..5]),
-            );
-            let (log, other, page) = (of("log.csv"), at("other.csv"), at("page.html"));
-            let simulate = "simulate @ @ --poses 60 --noise 0.0005 --range 20 --out @";
-            quiet(&sesc(&in_words(simulate, &[&urdf, &support, &log])), &[0]);
-            fs::copy(&log, &other).unwrap();
-            // The name of the folder is that of the robot in a fleet.
-            let day = folder.path().join(format!("logs/robot={title}"));
-            fs::create_dir_all(&day).unwrap();
-            for end in ["", ".toml"] {
-                let to = day.join(format!("monday.csv{end}"));
-                fs::copy(format!("{log}{end}"), to).unwrap();
-            }
-            let (logs, table, poses) = (at("logs"), at("fleet.csv"), of("poses.csv"));
-            let found = [
-                in_words("fit @ --data @", &[&urdf, &log]),
-                in_words("diagnose @ --data @", &[&urdf, &log]),
-                in_words("compare @ @ --urdf @ @", &[&log, &other, &urdf, &support]),
-                in_words(
-                    "plan @ @ --poses 8 --cop-box 0.2 --out @",
-                    &[&urdf, &support, &poses],
-                ),
-                in_words(
-                    "fleet @ --data @ --by robot,day --out @",
-                    &[&urdf, &logs, &table],
-                ),
-            ]
-            .map(|command| {
-                quiet(
-                    &sesc(&[&command[..], &["--report", &page]].concat()),
-                    &[0, 1],
-                );
-                let found = scripts(&page);
-                let text = fs::read_to_string(&page).unwrap();
-                assert!(
-                    text.contains(&title.escape_debug().to_string()),
-                    "{command:?}"
-                );
-                fs::remove_file(&page).unwrap();
-                found
-            });
-            let table = fs::read_to_string(&table).unwrap();
-            assert!(!table.contains(OBEYED) && table.contains(&title.escape_debug().to_string()));
-            found
-        },
+    let hostile = "*/\"</script><b_id=hostile> </script>??/ ]]>&amp;膝 =cmd|'{{%s --><!--";
+    let hostile = hostile
+        .split(' ')
+        .map(|name| name.replace('_', " "))
+        .collect();
+    let plain: Vec<String> = (0..5).map(|k| format!("part {k}")).collect();
+    let pages = |(names, title): (Vec<String>, &str)| {
+        let folder = Folder::empty();
+        let spelled = title.escape_debug().to_string();
+        let [urdf, log, poses] = ["r.urdf", "log.csv", "poses.csv"].map(|n| format!("{title}{n}"));
+        folder.write(&urdf, robot(&names[0], &names[1..5]));
+        let support = format!("--support={}", names[0]);
+        let simulate = "simulate @ @ --poses 60 --noise 0.0005 --range 20 --out @";
+        quiet(&folder.run_on(simulate, &[&urdf, &support, &log]), &[0]);
+        folder.write("other.csv", folder.read(&log));
+        // The name of the folder is that of the robot in a fleet.
+        for end in ["", ".toml"] {
+            let text = folder.read(&format!("{log}{end}"));
+            folder.write(&format!("logs/robot={title}/monday.csv{end}"), text);
+        }
+        let plan = "plan @ @ --poses 8 --cop-box 0.2 --report page.html --out @";
+        let compare = "compare @ other.csv --urdf @ @ --report page.html";
+        let fleet = "fleet @ --data logs --by robot,day --report page.html --out fleet.csv";
+        let commands: [(&str, &[&str]); 5] = [
+            ("fit @ --data @ --report page.html", &[&urdf, &log]),
+            ("diagnose @ --data @ --report page.html", &[&urdf, &log]),
+            (compare, &[&log, &urdf, &support]),
+            (plan, &[&urdf, &support, &poses]),
+            (fleet, &[&urdf]),
+        ];
+        let found = commands.map(|(line, values)| {
+            quiet(&folder.run_on(line, values), &[0, 1]);
+            let page = folder.read("page.html");
+            assert!(page.contains(&spelled), "{line}");
+            fs::remove_file(folder.join("page.html")).unwrap();
+            scripts(&page)
+        });
+        let table = folder.read("fleet.csv");
+        assert!(!table.contains(OBEYED) && table.contains(&spelled));
+        found
+    };
+    assert_eq!(
+        pages((plain, "")),
+        pages((hostile, "\u{1b}[2J\u{202e}\u{7}"))
     );
-    assert_eq!(plain, hostile);
 }
 
 /// What a terminal obeys does not reach it from a file, nor from the name of one.
@@ -314,10 +258,8 @@ fn terminals_are_told_nothing_by_files() {
     let title = "\u{1b}]0;owned\u{7}";
     folder.write(&format!("{title}r.urdf"), robot("r", &["j".into()]));
     let run = |line: &str, codes: &[i32]| quiet(&folder.run(&line.replace('@', title)), codes);
-    run(
-        "simulate @r.urdf --support r --poses 30 --out @log.csv",
-        &[0],
-    );
+    let simulate = "simulate @r.urdf --support r --poses 30 --out @log.csv";
+    run(simulate, &[0]);
     run("fit @r.urdf --data @log.csv", &[0, 1]);
     run("fit @r.urdf --data @log.csv --json", &[0, 1]);
     run("inspect @none.urdf --support r", &[2]);

@@ -7,7 +7,9 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-use sesc_test_support::command::{ROOT, folder, program, refused, stdout, write};
+use sesc_test_support::command::{ROOT, folder, in_words, program, refused, stdout, write};
+use sesc_test_support::contacts::{record, schema, text};
+use sesc_test_support::trees::Urdf;
 
 const FILES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/hostile/files");
 /// Address space that a command may have, KiB: a shell's `ulimit -v`.
@@ -21,23 +23,15 @@ fn bounded(arguments: &[&str]) -> Output {
     command.args(["-c", &format!("ulimit -v {MEMORY}; exec \"$0\" \"$@\"")]);
     let output = command.arg(program()).args(arguments).output().unwrap();
     let took = begun.elapsed();
-    assert!(
-        took < Duration::from_secs(SECONDS),
-        "{arguments:?}: {took:?}"
-    );
+    let is_in_time = took < Duration::from_secs(SECONDS);
+    assert!(is_in_time, "{arguments:?}: {took:?}");
     output
 }
 
 fn fit(log: &Path) -> Output {
     let urdf = format!("{ROOT}/robots/two_link/two_link.urdf");
-    bounded(&[
-        "fit",
-        &urdf,
-        "--support",
-        "foot",
-        "--data",
-        log.to_str().unwrap(),
-    ])
+    let line = "fit @ --support foot --data @";
+    bounded(&in_words(line, &[&urdf, log.to_str().unwrap()]))
 }
 
 #[test]
@@ -89,34 +83,18 @@ fn schemas_nested_without_end_are_refused() {
     refused(&fit(Path::new(&log)), &["deep.parquet", "nested"]);
 }
 
-/// A record of MCAP: opcode, length, content.
-fn record(opcode: u8, content: &[u8]) -> Vec<u8> {
-    let length = (content.len() as u64).to_le_bytes();
-    [&[opcode], &length[..], content].concat()
-}
-
-fn text(bytes: &[u8]) -> Vec<u8> {
-    [&(bytes.len() as u32).to_le_bytes(), bytes].concat()
-}
-
 /// Names of types that are kept until the end, without end.
 #[test]
 #[cfg(unix)]
 fn recordings_with_endless_names_are_refused() {
     let folder = folder();
-    let magic = b"\x89MCAP0\r\n";
-    let schema = |id: u16, name: &[u8]| {
-        let content = [
-            &id.to_le_bytes()[..],
-            &text(name),
-            &text(b"ros2msg"),
-            &text(b""),
-        ];
-        record(3, &content.concat())
-    };
-    let long = [&magic[..], &record(1, &[text(b""), text(b"")].concat())].concat();
-    let one = [&long[..], &schema(1, &vec![b'a'; 1 << 20])].concat();
-    let many = (0..60_000u16).flat_map(|id| schema(id, &[b'a'; 1000]));
+    let long = [
+        &b"\x89MCAP0\r\n"[..],
+        &record(1, &[text(""), text("")].concat()),
+    ]
+    .concat();
+    let one = [&long[..], &schema(1, &"a".repeat(1 << 20))].concat();
+    let many = (0..60_000).flat_map(|id| schema(id, &"a".repeat(1000)));
     let many: Vec<u8> = long.iter().copied().chain(many).collect();
     for (file, word) in [(one, "name of 1048576 bytes"), (many, "more than 16 MiB")] {
         let log = write(folder.path(), "log.mcap", file);
@@ -126,23 +104,22 @@ fn recordings_with_endless_names_are_refused() {
 
 /// A robot of `n` links in a row, each joint after the first a mimic of it if `tied`.
 pub(super) fn chain(n: usize, tied: bool) -> String {
-    let mut out = String::from("<robot name='chain'><link name='l0'/>");
+    let mut robot = Urdf::new("chain").raw("<link name='l0'/>");
     for k in 1..=n {
+        let (parent, link) = (format!("l{}", k - 1), format!("l{k}"));
         let mimic = match tied && k > 1 {
             true => "<mimic joint='j1'/>",
             false => "",
         };
-        out += &format!(
-            "<link name='l{k}'><inertial><origin xyz='0 0.01 0.02'/><mass value='1'/></inertial>\
-             </link><joint name='j{k}' type='revolute'><parent link='l{}'/><child link='l{k}'/>\
-             <origin xyz='0 0 0.05'/><axis xyz='{} {} 0'/><limit lower='-1' upper='1'/>{mimic}\
-             </joint>",
-            k - 1,
+        let more = format!(
+            "<origin xyz='0 0 0.05'/><axis xyz='{} {} 0'/><limit lower='-1' upper='1'/>{mimic}",
             k % 2,
             (k + 1) % 2
         );
+        robot = robot.link(&link, 1.0, "0 0.01 0.02");
+        robot = robot.joint(&format!("j{k}"), "revolute", [&parent, &link], &more);
     }
-    out + "</robot>"
+    robot.text()
 }
 
 /// What cannot be computed in bounded memory is said at once; robots larger than any that was built

@@ -4,27 +4,24 @@
 use std::process::Output;
 use std::time::{Duration, Instant};
 
-use sesc_test_support::command::{Folder, refused, stderr};
+use sesc_test_support::command::{Folder, Sheet, json, list, number, refused, says, stderr, texts};
+use sesc_test_support::trees::Urdf;
 
-/// A log of the OP2 on its right sole, and its lines.
-fn log() -> (Folder, Vec<String>) {
+/// A log of the OP2 on its right sole.
+fn log() -> (Folder, Sheet) {
     let folder = Folder::with_log("--poses 60 --range 20 --noise 0.0005");
-    let lines = folder.read("log.csv");
-    let lines = lines.lines().map(str::to_string).collect();
-    (folder, lines)
+    let log = folder.sheet("log.csv");
+    (folder, log)
 }
 
-/// The log with another value in a column: in every row, or in one.
-fn changed(lines: &[String], name: &str, value: &str, all: bool) -> Vec<String> {
-    let place = lines[0].split(',').position(|own| own == name).unwrap();
-    let change = |(k, line): (usize, &String)| {
-        let mut cells: Vec<&str> = line.split(',').collect();
-        if k > 0 && (all || k == 17) {
-            cells[place] = value;
-        }
-        cells.join(",")
-    };
-    lines.iter().enumerate().map(change).collect()
+/// Writes the log with other values in columns: in every row, or in the seventeenth.
+fn changed(folder: &Folder, log: &Sheet, values: &[(&str, &str)], all: bool) {
+    let mut log = log.clone();
+    let row = (!all).then_some(16);
+    values
+        .iter()
+        .for_each(|(name, value)| log.set(name, row, value));
+    folder.write("log.csv", log.to_string());
 }
 
 /// Ways to fit and to diagnose a log of the OP2.
@@ -51,7 +48,7 @@ fn refuses(folder: &Folder, line: &str, words: &[&str]) -> Output {
 
 #[test]
 fn a_value_beyond_every_sensor_is_refused_with_line_and_column() {
-    let (folder, lines) = log();
+    let (folder, log) = log();
     for (column, value, word) in [
         ("cop_x", "1.7976931348623157e308", "beyond 1e6"),
         ("cop_y", "-1e200", "beyond 1e6"),
@@ -62,7 +59,7 @@ fn a_value_beyond_every_sensor_is_refused_with_line_and_column() {
         ("r_knee", "2147483647", "rad"),
         ("l_el", "1e308", "rad"),
     ] {
-        folder.write("log.csv", changed(&lines, column, value, false).join("\n"));
+        changed(&folder, &log, &[(column, value)], false);
         for way in WAYS {
             let line = format!("{way} --out m.toml");
             let words = ["log.csv:18", &format!("`{column}`"), word];
@@ -70,19 +67,15 @@ fn a_value_beyond_every_sensor_is_refused_with_line_and_column() {
             assert!(output.stderr.len() < 400, "{}", stderr(&output));
         }
     }
-    let number = |(k, line): (usize, &String)| match k {
-        0 => format!("{line},t"),
-        k => format!("{line},{k}"),
-    };
-    let timed: Vec<String> = lines.iter().enumerate().map(number).collect();
+    let mut timed = log.clone();
+    timed.add("t", |k| k.to_string());
     for value in ["1e16", "-1e300"] {
-        folder.write("log.csv", changed(&timed, "t", value, false).join("\n"));
+        changed(&folder, &timed, &[("t", value)], false);
         refuses(&folder, FIT, &["log.csv:18", "`t`", "seconds"]);
     }
     // Deviations in another unit.
-    let wide = changed(&lines, "cop_x_std", "0.5", true);
-    let wide = changed(&wide, "cop_y_std", "0.5", true);
-    folder.write("log.csv", wide.join("\n"));
+    let wide = [("cop_x_std", "0.5"), ("cop_y_std", "0.5")];
+    changed(&folder, &log, &wide, true);
     for way in [FIT, DIAGNOSE] {
         refuses(&folder, way, &["cop_x_std", "0.7", "metres"]);
     }
@@ -92,19 +85,16 @@ fn a_value_beyond_every_sensor_is_refused_with_line_and_column() {
 /// connected makes no fit "exact".
 #[test]
 fn one_outlier_is_named_and_left_out_and_a_dead_sensor_is_no_noise_free_one() {
-    let (folder, lines) = log();
-    folder.write("log.csv", changed(&lines, "cop_x", "100", false).join("\n"));
+    let (folder, log) = log();
+    changed(&folder, &log, &[("cop_x", "100")], false);
     for way in WAYS {
         let answer = folder.json(way).to_string();
         assert!(answer.contains("cop_outside_sole"), "{way:?}: {answer}");
         assert!(!answer.contains("NaN"), "{way:?}");
     }
     for value in ["0", "0.0123"] {
-        let dead = changed(&lines, "cop_x", value, true);
-        folder.write("log.csv", changed(&dead, "cop_y", value, true).join("\n"));
-        let output = folder.run(FIT);
-        assert_eq!(output.status.code(), Some(1));
-        assert!(String::from_utf8_lossy(&output.stdout).contains("does not move"));
+        changed(&folder, &log, &[("cop_x", value), ("cop_y", value)], true);
+        says(folder.json_of(1, FIT).to_string(), &["does not move"]);
     }
 }
 
@@ -112,17 +102,14 @@ fn one_outlier_is_named_and_left_out_and_a_dead_sensor_is_no_noise_free_one() {
 /// what a fit says of itself would be perfect.
 #[test]
 fn copies_of_one_reading_are_refused() {
-    let (folder, lines) = log();
-    // Columns of deviations stand last.
-    let until = lines[0].find(",cop_x_std").unwrap();
-    let columns = lines[0].split(',').count();
-    for kept in [columns, lines[0][..until].split(',').count()] {
+    let (folder, log) = log();
+    for is_stated in [true, false] {
         for distinct in [1, 2] {
-            let row = |k: usize| {
-                let line = &lines[if k == 0 { 0 } else { 1 + k % distinct }];
-                line.split(',').take(kept).collect::<Vec<_>>().join(",") + "\n"
-            };
-            folder.write("log.csv", (0..61).map(row).collect::<String>());
+            let mut copies = log.clone();
+            copies.keep(|name| is_stated || !name.ends_with("_std"));
+            let rows = copies.rows[..distinct].iter().cycle();
+            copies.rows = rows.take(60).cloned().collect();
+            folder.write("log.csv", copies.to_string());
             for way in WAYS {
                 let line = format!("{way} --out m.toml");
                 refuses(&folder, &line, &["log.csv", "60 rows are copies"]);
@@ -152,31 +139,28 @@ fn gravity_along_the_sole_is_refused() {
 /// A robot of three joints; the second follows the first by `mimic`, the third the second by
 /// `factor`.
 fn tied(mimic: &str, factor: &str) -> String {
-    let link = |name: &str| {
-        format!(
-            "<link name='{name}'><inertial><origin xyz='0 0 0.1'/><mass value='1'/></inertial>\
-             </link>"
-        )
-    };
-    let joint = |name: &str, parent: &str, child: &str, rest: &str| {
-        format!(
-            "<joint name='{name}' type='revolute'><parent link='{parent}'/><child \
-             link='{child}'/><origin xyz='0 0 0.2'/><axis xyz='0 1 0'/><limit lower='-2' \
-             upper='2'/>{rest}</joint>"
-        )
-    };
-    let links = ["foot", "a", "b", "c"].map(link).concat();
-    let joints = [
-        joint("j1", "foot", "a", ""),
-        joint("j2", "a", "b", &format!("<mimic joint='j1' {mimic}/>")),
-        joint(
-            "j3",
-            "b",
-            "c",
-            &format!("<mimic joint='j2' multiplier='{factor}'/>"),
-        ),
+    let links = ["foot", "a", "b", "c"].into_iter();
+    let robot = links.fold(Urdf::new("r"), |robot, name| {
+        robot.link(name, 1.0, "0 0 0.1")
+    });
+    let tied = [
+        String::new(),
+        format!("<mimic joint='j1' {mimic}/>"),
+        format!("<mimic joint='j2' multiplier='{factor}'/>"),
     ];
-    format!("<robot name='r'>{links}{}</robot>", joints.concat())
+    let pairs = [["foot", "a"], ["a", "b"], ["b", "c"]]
+        .into_iter()
+        .zip(tied);
+    let robot = (1..).zip(pairs).fold(robot, |robot, (k, (links, mimic))| {
+        let rest = "<origin xyz='0 0 0.2'/><axis xyz='0 1 0'/><limit lower='-2' upper='2'/>";
+        robot.joint(
+            &format!("j{k}"),
+            "revolute",
+            links,
+            &format!("{rest}{mimic}"),
+        )
+    });
+    robot.text()
 }
 
 #[test]
@@ -190,13 +174,10 @@ fn mimics_beyond_every_gear_are_refused() {
         ("multiplier='4e3'", "`j3`"),
     ] {
         folder.write("r.urdf", tied(mimic, "3e3"));
-        for command in [
-            "verify",
-            "inspect",
-            "simulate --poses 5 --out out.csv",
-            "plan --poses 5 --out out.csv",
-            "generate --out out",
-        ] {
+        let out = "--poses 5 --out out.csv";
+        let writing = [format!("simulate {out}"), format!("plan {out}")];
+        let others = ["verify", "inspect", "generate --out out"].map(String::from);
+        for command in writing.iter().chain(&others) {
             let line = format!("{command} --support foot r.urdf");
             refuses(&folder, &line, &["r.urdf:1", joint, "gear"]);
         }
@@ -212,26 +193,26 @@ fn a_bound_beyond_use_is_replaced_by_a_billionth_of_the_reach() {
     folder.write("r.urdf", tied("multiplier='9e3'", "1"));
     let verify = "verify r.urdf --support foot --samples 20";
     let output = folder.run(&format!("{verify} --json"));
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let found = json(&output);
     // The robot reaches no metre.
-    let allowed = json["bound"]["zmp"].as_f64().unwrap();
-    assert!(allowed <= 1e-9, "{allowed}");
+    assert!(number(&found, "/bound/zmp") <= 1e-9, "{found}");
     // What errs by more than that fails, whatever the proven bound would allow.
-    let mut errors = json["worst_error"].as_object().unwrap().iter();
-    let within = errors.all(|(function, error)| {
-        error.as_f64().unwrap() <= json["bound"][function].as_f64().unwrap()
-    });
-    assert_eq!(json["pass"], within);
+    let mut errors = found["worst_error"].as_object().unwrap().keys();
+    let is_within = |function: &String| {
+        let [error, bound] = ["worst_error", "bound"].map(|key| format!("/{key}/{function}"));
+        number(&found, &error) <= number(&found, &bound)
+    };
+    let within = errors.all(is_within);
+    assert_eq!(found["pass"], within);
     assert_eq!(output.status.code(), Some(i32::from(!within)));
-    let beyond = json["beyond_use"].as_array().unwrap();
-    assert!(beyond.contains(&"zmp".into()), "{beyond:?}");
+    assert!(texts(&found, "/beyond_use").contains(&"zmp"), "{found}");
     let table = folder.run(verify).stdout;
     let table = String::from_utf8_lossy(&table);
-    assert!(table.contains("thousandth of the robot's reach"), "{table}");
+    says(table, &["thousandth of the robot's reach"]);
     folder.write("r.urdf", tied("multiplier='3'", "1"));
     let json = folder.json(verify);
     assert_eq!(json["pass"], true);
-    assert_eq!(json["beyond_use"].as_array().unwrap().len(), 0);
+    assert_eq!(list(&json, "/beyond_use").len(), 0);
 }
 
 /// Hundreds of joints that follow one: numbers cannot tell the rank, and that is what is said.
@@ -240,7 +221,7 @@ fn inspect_says_where_numbers_tell_no_rank() {
     let folder = Folder::empty();
     folder.write("r.urdf", super::sizes::chain(200, true));
     let output = folder.run("inspect r.urdf --support l0 --json");
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let json = json(&output);
     let agrees = json["rank"] == json["numeric_rank"];
     let expected = if agrees { "agrees" } else { "undecided" };
     assert_eq!(json["rank_check"], expected);
@@ -304,11 +285,8 @@ fn angles_beyond_all_turns_and_robots_of_no_weight_are_refused() {
         );
         folder.write("r.urdf", text);
         for command in ["verify", "inspect", "generate --out out"] {
-            refuses(
-                &folder,
-                &format!("{command} --support foot r.urdf"),
-                &[word],
-            );
+            let line = format!("{command} --support foot r.urdf");
+            refuses(&folder, &line, &[word]);
         }
     }
 }

@@ -12,15 +12,13 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc::OP2_URDF;
 use sesc_identify::fit::prior::Prior;
-use sesc_identify::plan::Limits;
-use sesc_identify::plan::Region;
-use sesc_identify::plan::{Plan, Request, plan};
+use sesc_identify::plan::{Limits, Plan, Region, Request, plan};
 use sesc_identify::robot::Robot;
 use sesc_model::{Model, Snapping};
 use sesc_reference::Reference;
-use sesc_test_support::command::{Folder, ROOT};
-
+use sesc_test_support::command::{Folder, ROOT, Sheet, list, says};
 use sesc_test_support::examine::bought::bought;
+use sesc_test_support::trees::Urdf;
 
 /// The seed paper's: |CoP| < 23 mm, 38 postures, 100 readings of 4.93 mm each.
 const COP_BOX: f64 = 0.023;
@@ -51,36 +49,27 @@ fn op2_plan(prior: &str, seed: u64, candidates: usize) -> (Arc<Robot>, Arc<Model
 fn every_planned_posture_can_be_stood_in() {
     let (robot, model, found) = op2_plan("cad", 7, 400);
     let reference = sesc::verify::reference(&robot, &model).unwrap();
-    let text = std::fs::read_to_string(paper_limits()).unwrap();
+    let limits = Sheet::read(&std::fs::read_to_string(paper_limits()).unwrap());
+    let ends = limits.numbers(&limits.names[1..]);
     let support = reference.robot().link_index("r_sole").unwrap();
-    let still: Vec<usize> = reference
-        .robot()
-        .joints()
-        .iter()
-        .filter(|j| j.parent == support || j.child == support)
-        .flat_map(|j| [j.parent, j.child])
-        .collect();
+    let joints = reference.robot().joints().iter();
+    let beside = joints.filter(|j| j.parent == support || j.child == support);
+    let still: Vec<usize> = beside.flat_map(|j| [j.parent, j.child]).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(5);
-    let others: Vec<Reference> = (0..20)
-        .map(|_| Reference::new(&bought(reference.robot(), &mut rng), "r_sole").unwrap())
-        .collect();
+    let others = (0..20).map(|_| bought(reference.robot(), &mut rng));
+    let others = others.map(|robot| Reference::new(&robot, "r_sole").unwrap());
+    let others: Vec<Reference> = others.collect();
     let mut outside = 0;
     for q in found.q.chunks(model.dof()) {
         for (dof, angle) in model.tree.dofs.iter().zip(q) {
-            let line = text
-                .lines()
-                .find(|l| l.starts_with(&format!("{},", dof.joint)))
+            let line = limits
+                .rows
+                .iter()
+                .position(|row| row[0] == dof.joint)
                 .unwrap();
-            let ends: Vec<f64> = line
-                .split(',')
-                .skip(1)
-                .map(|x| x.parse().unwrap())
-                .collect();
+            let within = ends[line][0] - 1e-9..=ends[line][1] + 1e-9;
             let degrees = angle.to_degrees();
-            assert!(
-                ends[0] - 1e-9 <= degrees && degrees <= ends[1] + 1e-9,
-                "{line}: {degrees}"
-            );
+            assert!(within.contains(&degrees), "{}: {degrees}", dof.joint);
             assert!(angle.abs() <= 2.6179939 + 1e-12);
         }
         let com = reference.com(q);
@@ -90,20 +79,14 @@ fn every_planned_posture_can_be_stood_in() {
                 continue;
             }
             let about = &reference.robot().links()[link];
-            assert!(
-                pose.translation.z >= 0.005 - 1e-9,
-                "{}: {}",
-                about.name,
-                pose.translation.z
-            );
+            let height = pose.translation.z;
+            assert!(height >= 0.005 - 1e-9, "{}: {height}", about.name);
             if about.mass_kg > 0.0 {
                 assert!((pose * about.com_m).z >= 0.005 - 1e-9, "{}", about.name);
             }
         }
-        outside += others
-            .iter()
-            .filter(|other| other.com(q).xy().amax() >= COP_BOX)
-            .count();
+        let others = others.iter().map(|other| other.com(q).xy().amax());
+        outside += others.filter(|off| *off >= COP_BOX).count();
     }
     // Two standard deviations on each side of each axis: a few robots in a hundred at most.
     let share = outside as f64 / (others.len() * found.candidates) as f64;
@@ -143,21 +126,14 @@ fn the_same_seed_gives_the_same_file_and_another_does_not() {
 
 /// A column of revolute joints about x and y in turn, on a wide foot.
 fn column(joints: usize) -> String {
-    let mut text = String::from("<robot name=\"column\"><link name=\"foot\"/>");
+    let mut robot = Urdf::new("column").raw("<link name='l0'/>");
     for k in 0..joints {
-        let parent = if k == 0 {
-            "foot".to_string()
-        } else {
-            format!("l{}", k - 1)
-        };
-        let axis = if k % 2 == 0 { "1 0 0" } else { "0 1 0" };
-        text += &format!(
-            "<link name=\"l{k}\"><inertial><origin xyz=\"0 0 0.02\"/><mass value=\"0.1\"/></inertial></link>\
-             <joint name=\"j{k}\" type=\"revolute\"><parent link=\"{parent}\"/><child link=\"l{k}\"/>\
-             <origin xyz=\"0 0 0.04\"/><axis xyz=\"{axis}\"/><limit lower=\"-1\" upper=\"1\"/></joint>"
-        );
+        let (parent, link) = (format!("l{k}"), format!("l{}", k + 1));
+        let axis = ["1 0 0", "0 1 0"][k % 2];
+        robot = robot.link(&link, 0.1, "0 0 0.02");
+        robot = robot.revolute(&format!("j{k}"), [&parent, &link], "0 0 0.04", axis, 1.0);
     }
-    text + "</robot>"
+    robot.text()
 }
 
 #[test]
@@ -166,7 +142,7 @@ fn robots_of_one_joint_and_of_hundreds_are_planned() {
     for joints in [1, 2, 120] {
         folder.write("column.urdf", column(joints));
         let options = "--poses 5 --candidates 40 --cop-box 0.15 --prior tight --out poses.csv";
-        let json = folder.json(&format!("plan column.urdf --support foot {options}"));
+        let json = folder.json(&format!("plan column.urdf --support l0 {options}"));
         assert_eq!(json["candidates"], 40, "{json}");
     }
 }
@@ -175,25 +151,33 @@ fn robots_of_one_joint_and_of_hundreds_are_planned() {
 #[test]
 fn planned_postures_do_not_collide() {
     let radius = 0.05;
-    let arm = |side: &str, y: f64| {
-        format!(
-            "<link name=\"{side}_upper\"><inertial><mass value=\"0.1\"/></inertial></link>\
-             <link name=\"{side}_hand\"><inertial><mass value=\"0.1\"/></inertial>\
-             <collision><geometry><sphere radius=\"{radius}\"/></geometry></collision></link>\
-             <joint name=\"{side}_shoulder\" type=\"continuous\"><parent link=\"trunk\"/>\
-             <child link=\"{side}_upper\"/><origin xyz=\"0 {y} 0.3\"/><axis xyz=\"0 0 1\"/></joint>\
-             <joint name=\"{side}_wrist\" type=\"continuous\"><parent link=\"{side}_upper\"/>\
-             <child link=\"{side}_hand\"/><origin xyz=\"0.1 0 0\"/><axis xyz=\"0 0 1\"/></joint>"
-        )
-    };
-    let urdf = format!(
-        "<robot name=\"pair\"><link name=\"foot\"/><link name=\"trunk\"><inertial>\
-         <origin xyz=\"0 0 0.2\"/><mass value=\"1\"/></inertial></link>\
-         <joint name=\"ankle\" type=\"revolute\"><parent link=\"foot\"/><child link=\"trunk\"/>\
-         <origin xyz=\"0 0 0.05\"/><axis xyz=\"0 1 0\"/><limit lower=\"-0.3\" upper=\"0.3\"/></joint>{}{}</robot>",
-        arm("left", 0.06),
-        arm("right", -0.06)
-    );
+    let mut urdf = Urdf::new("pair")
+        .raw("<link name='foot'/>")
+        .link("trunk", 1.0, "0 0 0.2");
+    urdf = urdf.revolute("ankle", ["foot", "trunk"], "0 0 0.05", "0 1 0", 0.3);
+    let ball = format!("<collision><geometry><sphere radius='{radius}'/></geometry></collision>");
+    for (side, y) in [("left", 0.06), ("right", -0.06)] {
+        let [upper, hand] = ["upper", "hand"].map(|part| format!("{side}_{part}"));
+        let turn = |at: &str| format!("<origin xyz='{at}'/><axis xyz='0 0 1'/>");
+        let shoulder = turn(&format!("0 {y} 0.3"));
+        let joint = |name: &str| format!("{side}_{name}");
+        urdf = urdf
+            .link(&upper, 0.1, "0 0 0")
+            .link_with(&hand, 0.1, "0 0 0", &ball);
+        urdf = urdf.joint(
+            &joint("shoulder"),
+            "continuous",
+            ["trunk", &upper],
+            &shoulder,
+        );
+        urdf = urdf.joint(
+            &joint("wrist"),
+            "continuous",
+            [&upper, &hand],
+            &turn("0.1 0 0"),
+        );
+    }
+    let urdf = urdf.text();
     let robot = Robot::parse(&urdf, "pair.urdf").unwrap();
     let model = robot.model("foot", Snapping::default(), None).unwrap();
     let (robot, model) = (Arc::new(robot), Arc::new(model));
@@ -204,13 +188,8 @@ fn planned_postures_do_not_collide() {
     request.noise = NOISE;
     let found = plan(&request, &mut ()).unwrap();
     let reference = sesc::verify::reference(&robot, &model).unwrap();
-    let hand = |side: &str| {
-        reference
-            .robot()
-            .link_index(&format!("{side}_hand"))
-            .unwrap()
-    };
-    let (left, right) = (hand("left"), hand("right"));
+    let hands = ["left_hand", "right_hand"].map(|hand| reference.robot().link_index(hand));
+    let [left, right] = hands.map(Result::unwrap);
     let apart = found.q.chunks(model.dof()).map(|q| {
         let poses = reference.link_poses(q);
         (poses[left].translation.vector - poses[right].translation.vector).norm()
@@ -230,15 +209,15 @@ fn a_page_is_written_and_takes_no_other_files_place() {
     let plan = "plan op2.urdf --support r_sole --poses 12 --candidates 60 --sigmas 0 \
                 --out poses.csv --report";
     let json = folder.json(&format!("{plan} plan.html"));
-    let curve = json["curve"].as_array().unwrap();
+    let curve = list(&json, "/curve");
     assert_eq!(curve[0]["postures"], 0);
     let last = &curve[curve.len() - 1];
     assert_eq!(last["postures"], 12);
     assert_eq!(last["planned"], json["expected_error"]);
-    assert_eq!(json["corners"].as_array().unwrap().len(), 4);
-    assert_eq!(json["joints"].as_array().unwrap().len(), 20);
-    let text = folder.read("plan.html");
-    assert!(text.contains("12 postures to take, of 60") && text.contains("--report"));
+    assert_eq!(list(&json, "/corners").len(), 4);
+    assert_eq!(list(&json, "/joints").len(), 20);
+    let page = folder.read("plan.html");
+    says(page, &["12 postures to take, of 60", "--report"]);
     for taken in ["poses.csv", "poses.csv.toml"] {
         folder.refuses(&format!("{plan} {taken}"), &["meant for two outputs"]);
     }

@@ -1,26 +1,17 @@
 //! The region of planned CoPs comes from the sole that the URDF has.
 
-use sesc_test_support::command::{Folder, refused, stderr};
+use sesc_test_support::command::{Folder, list, number, refused, says, stderr};
+use sesc_test_support::trees::Urdf;
 
 /// A pole on a foot of 0.2 m by 0.1 m; `collision` is the shape of the foot.
 fn pole(collision: &str) -> String {
-    let inertial =
-        |z: f64| format!("<inertial><origin xyz='0 0 {z}'/><mass value='1'/></inertial>");
-    let joint = |name: &str, parent: &str, child: &str, axis: &str| {
-        format!(
-            "<joint name='{name}' type='revolute'><parent link='{parent}'/><child link='{child}'/>\
-             <origin xyz='0 0 0.1'/><axis xyz='{axis}'/><limit lower='-1' upper='1'/></joint>"
-        )
-    };
-    format!(
-        "<robot name='pole'><link name='foot'>{}{collision}</link><link name='shin'>{}</link>\
-         <link name='top'>{}</link>{}{}</robot>",
-        inertial(0.02),
-        inertial(0.1),
-        inertial(0.2),
-        joint("roll", "foot", "shin", "1 0 0"),
-        joint("pitch", "shin", "top", "0 1 0")
-    )
+    Urdf::new("pole")
+        .link_with("foot", 1.0, "0 0 0.02", collision)
+        .link("shin", 1.0, "0 0 0.1")
+        .link("top", 1.0, "0 0 0.2")
+        .revolute("roll", ["foot", "shin"], "0 0 0.1", "1 0 0", 1.0)
+        .revolute("pitch", ["shin", "top"], "0 0 0.1", "0 1 0", 1.0)
+        .text()
 }
 
 /// Unless somebody says, the CoP stays in the inner part of the sole that the URDF has.
@@ -35,15 +26,15 @@ fn the_sole_of_the_urdf_is_where_the_cop_stays() {
     let shape = "<collision><origin xyz='0.03 0 0.01'/><geometry><box size='0.2 0.1 0.02'/>\
                  </geometry></collision>";
     let of_shape = planned(pole(shape), "");
-    let corners = of_shape["corners"].as_array().unwrap();
-    let mut x: Vec<f64> = corners.iter().map(|c| c[0].as_f64().unwrap()).collect();
+    let corners = list(&of_shape, "/corners").iter();
+    let mut x: Vec<f64> = corners.map(|corner| number(corner, "/0")).collect();
     x.sort_by(f64::total_cmp);
     let near = |x: f64, y: f64| (x - y).abs() < 1e-12;
     assert!(near(x[0], -0.07) && near(x[3], 0.13), "{x:?}");
     // 0.7 of the way from its middle to the edge of its narrower side.
-    assert!(near(of_shape["margin"].as_f64().unwrap(), 0.015));
-    for cop in of_shape["cop"].as_array().unwrap() {
-        let [x, y] = [0, 1].map(|axis| cop[axis].as_f64().unwrap());
+    assert!(near(number(&of_shape, "/margin"), 0.015));
+    for cop in list(&of_shape, "/cop") {
+        let [x, y] = ["/0", "/1"].map(|axis| number(cop, axis));
         let inside = (x - 0.03).abs() < 0.085 + 1e-9 && y.abs() < 0.035 + 1e-9;
         assert!(inside, "{x} {y}");
     }
@@ -69,10 +60,7 @@ fn the_sole_of_the_urdf_is_where_the_cop_stays() {
 fn a_plan_that_fails_says_a_box_that_would_do() {
     let arm = Folder::with("arm6");
     let said = arm.stdout("plan arm6.urdf --support pedestal --poses 20 --out poses.csv");
-    assert!(
-        said.contains("|x|, |y| <= 67.0 mm, by the inertia"),
-        "{said}"
-    );
+    says(said, &["|x|, |y| <= 67.0 mm, by the inertia"]);
     let folder = Folder::with("quadruped");
     let plan = "plan quadruped.urdf --support lf_foot --poses 20 --out poses.csv";
     let output = folder.run(plan);
@@ -116,13 +104,8 @@ fn both_feet_of_a_robot_with_four_need_soles() {
     folder.stdout(&format!("simulate flat.urdf --support lf_sole {log}"));
     for command in ["fit", "diagnose"] {
         let line = format!("{command} flat.urdf --data log.csv --both-feet --other-foot rf_sole");
-        let said = stderr(&folder.run(&line));
-        for words in [
-            "`lf_sole` and `rf_sole`",
-            "the robot has 4 feet",
-            "cannot be used",
-        ] {
-            assert!(said.contains(words), "{command}: {said}");
-        }
+        let soles = "`lf_sole` and `rf_sole`";
+        let words = [soles, "the robot has 4 feet", "cannot be used"];
+        says(stderr(&folder.run(&line)), &words);
     }
 }

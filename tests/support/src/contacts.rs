@@ -10,10 +10,10 @@
 use nalgebra::Point3;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
 use sesc_reference::World;
 
 use crate::feet::{Noise, TwoFeet};
+use crate::recording::normal;
 use crate::stage::Stage;
 
 /// Standard gravity, m/s².
@@ -36,6 +36,14 @@ pub struct Contact {
     pub frame: String,
 }
 
+/// A contact in each sole of the OP2, the support's first.
+pub fn soles() -> [Contact; 2] {
+    ["r_sole", "l_sole"].map(|link| Contact {
+        topic: format!("/{link}/wrench"),
+        frame: link.to_string(),
+    })
+}
+
 /// Bytes of a recording of `count` postures of `world` on both feet; the support's contact is the
 /// first of the two.
 pub fn recording(
@@ -49,7 +57,7 @@ pub fn recording(
     let feet = TwoFeet::new(stage);
     let mass: f64 = stage.robot.links().iter().map(|link| link.mass_kg).sum();
     let mut own: ChaCha8Rng = rand::SeedableRng::seed_from_u64(random.random());
-    let mut normal = || -> f64 { StandardNormal.sample(&mut own) };
+    let mut normal = || normal(&mut own);
     let tilt = [(); 2].map(|()| noise.flat_rad * normal());
     let names = stage.joint_names();
     let mut messages: Vec<(f64, u16, Vec<u8>)> = Vec::new();
@@ -83,12 +91,8 @@ pub fn recording(
                 // The mean of a posture has the noise that is asked for.
                 let at = at.map(|x| x + noise.cop_m * mean * normal());
                 let late = 0.003 * number as f64;
-                let data = wrench(
-                    t + late,
-                    &contacts[number].frame,
-                    share * mass * GRAVITY,
-                    at,
-                );
+                let force = share * mass * GRAVITY;
+                let data = wrench(t + late, &contacts[number].frame, force, at);
                 messages.push((t + late, FIRST_WRENCH + number as u16, data));
             }
         }
@@ -127,21 +131,20 @@ const STATES: u16 = 10;
 const FIRST_WRENCH: u16 = 20;
 
 /// A record: opcode, length, content.
-fn record(opcode: u8, content: &[u8]) -> Vec<u8> {
+pub fn record(opcode: u8, content: &[u8]) -> Vec<u8> {
     let length = (content.len() as u64).to_le_bytes();
     [&[opcode][..], &length, content].concat()
 }
 
-fn text(text: &str) -> Vec<u8> {
+/// A text behind its length.
+pub fn text(text: &str) -> Vec<u8> {
     [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat()
 }
 
-fn schema(id: u16, name: &str) -> Vec<u8> {
-    let (name, encoding) = (text(name), text("ros2msg"));
-    record(
-        0x03,
-        &[&id.to_le_bytes()[..], &name, &encoding, &text("")].concat(),
-    )
+/// A type of ROS messages.
+pub fn schema(id: u16, name: &str) -> Vec<u8> {
+    let texts = [name, "ros2msg", ""].map(text).concat();
+    record(0x03, &[&id.to_le_bytes()[..], &texts].concat())
 }
 
 fn channel(id: u16, schema: u16, topic: &str) -> Vec<u8> {

@@ -9,9 +9,10 @@
 use nalgebra::{IsometryMatrix3, Matrix3, Vector3};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
 use sesc_reference::{Reference, World};
 
+use crate::command::Sheet;
+use crate::recording::{Recording, normal};
 use crate::stage::{Platform, Stage};
 
 /// Joints are drawn within this of zero before the soles are put on the floor, rad.
@@ -140,18 +141,15 @@ impl TwoFeet {
     /// The log, as CSV, of `world` in the postures of a plan on both feet, whose file has angles to a
     /// microradian or so; readings are `off` by that, m.
     pub fn log_of_plan(&self, world: &World, plan: &str, off: [f64; 2]) -> String {
-        let mut rows = plan.lines();
-        let mut log = format!("{},cop_x,cop_y\n", rows.next().expect("a header"));
-        for row in rows {
-            let (pose, joints) = row.split_once(',').expect("a posture");
-            let joints = joints.split(',').map(|x| x.parse().expect("an angle"));
-            let joints: Vec<f64> = joints.collect();
-            assert!(self.lies(&joints).amax() < 1e-5, "{row}");
+        let plan = Sheet::read(plan);
+        let mut log = format!("{},cop_x,cop_y\n", plan.names.join(","));
+        for (row, joints) in plan.rows.iter().zip(plan.numbers(&plan.names[1..])) {
+            assert!(self.lies(&joints).amax() < 1e-5, "{row:?}");
             let q = TwoFeet::encoders(world, &joints);
             let cop = world.cop(&q);
             let q: Vec<String> = q.iter().map(|x| format!("{x:.7}")).collect();
             let [x, y] = [0, 1].map(|axis| cop[axis] + off[axis]);
-            log += &format!("{pose},{},{x:.6},{y:.6}\n", q.join(","));
+            log += &format!("{},{},{x:.6},{y:.6}\n", row[0], q.join(","));
         }
         log
     }
@@ -168,59 +166,31 @@ pub struct Noise {
     pub flat_rad: f64,
 }
 
-/// A log in columns: joints, then the CoP of both feet together in the support frame.
-pub struct TwoFootLog {
-    /// Names of the joints.
-    pub joints: Vec<String>,
-    /// Encoder readings of each posture, rad.
-    pub q: Vec<Vec<f64>>,
-    /// CoP of each posture, m.
-    pub cop: Vec<[f64; 2]>,
-}
-
-impl TwoFootLog {
-    /// `count` postures of `world`, whose joints differ from what its encoders say.
-    pub fn take(
-        stage: &Stage,
-        world: &World,
-        count: usize,
-        noise: Noise,
-        random: &mut ChaCha8Rng,
-    ) -> TwoFootLog {
-        let feet = TwoFeet::new(stage);
-        let mut normal = {
-            let mut own: ChaCha8Rng = rand::SeedableRng::seed_from_u64(random.random());
-            move || -> f64 { StandardNormal.sample(&mut own) }
-        };
-        // A sole that is not flat is a tilt of its mount.
-        let tilt = [(); 2].map(|()| noise.flat_rad * normal());
-        let mut log = TwoFootLog {
-            joints: stage.joint_names(),
-            q: Vec::new(),
-            cop: Vec::new(),
-        };
-        for _ in 0..count {
-            let joints = feet.draw(tilt, random);
-            let q = TwoFeet::encoders(world, &joints);
-            let cop = world.cop(&q);
-            log.cop
-                .push([0, 1].map(|axis| cop[axis] + noise.cop_m * normal()));
-            log.q
-                .push(q.iter().map(|q| q + noise.encoder_rad * normal()).collect());
-        }
-        log
+/// `count` postures of `world`, whose joints differ from what its encoders say, with the CoP of both
+/// feet together in the support frame.
+pub fn record(
+    stage: &Stage,
+    world: &World,
+    count: usize,
+    noise: Noise,
+    random: &mut ChaCha8Rng,
+) -> Recording {
+    let feet = TwoFeet::new(stage);
+    let mut own: ChaCha8Rng = rand::SeedableRng::seed_from_u64(random.random());
+    let mut normal = || normal(&mut own);
+    // A sole that is not flat is a tilt of its mount.
+    let tilt = [(); 2].map(|()| noise.flat_rad * normal());
+    let mut log = Recording {
+        joints: stage.joint_names(),
+        ..Recording::default()
+    };
+    for _ in 0..count {
+        let joints = feet.draw(tilt, random);
+        let q = TwoFeet::encoders(world, &joints);
+        log.cop
+            .push(world.cop(&q).map(|x| x + noise.cop_m * normal()));
+        log.q
+            .push(q.iter().map(|q| q + noise.encoder_rad * normal()).collect());
     }
-
-    /// Columns by name.
-    pub fn columns(&self) -> Vec<(String, Vec<f64>)> {
-        let joints = self.joints.iter().enumerate();
-        let mut columns: Vec<(String, Vec<f64>)> = joints
-            .map(|(j, joint)| (joint.clone(), self.q.iter().map(|q| q[j]).collect()))
-            .collect();
-        for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
-            let values = self.cop.iter().map(|cop| cop[axis]).collect();
-            columns.push((name.to_string(), values));
-        }
-        columns
-    }
+    log
 }

@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
 use sesc_reference::{Error, Robot, Track, World};
 
 use crate::hidden::Hidden;
+use crate::recording::normal;
 use crate::stage::{Platform, Stage};
 
 /// Readings of a posture.
@@ -187,7 +187,7 @@ impl Fleet {
         };
         let seed = self.seed * 1_000_003 + robot as u64;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let mut normal = || normal(&mut random);
         let mut text = String::new();
         let mut rest = urdf;
         while let Some(at) = rest.find("<inertial>") {
@@ -212,7 +212,7 @@ impl Fleet {
         );
         let readings = world.readings(&Track::still(postures.clone()));
         for (pose, (q, reading)) in postures.iter().zip(readings).enumerate() {
-            let mut normal = || -> f64 { StandardNormal.sample(random) };
+            let mut normal = || normal(random);
             let _ = write!(text, "{pose}");
             for (k, q) in q.iter().enumerate() {
                 let shown = if stuck && Some(k) == place { held } else { *q };
@@ -246,14 +246,9 @@ fn edited(text: &str, attribute: &str, mut to: impl FnMut(f64) -> f64) -> String
 
 /// The URDF of a robot that carries a heavier head.
 fn other_urdf(urdf: &str) -> String {
-    let link = "<link name=\"head_tilt_link\"";
-    let mass = "<mass value=\"";
-    let place = urdf
-        .find(link)
-        .and_then(|at| Some(at + urdf[at..].find(mass)? + mass.len()));
-    let Some(start) = place else {
-        return urdf.to_owned();
-    };
-    let end = start + urdf[start..].find('"').unwrap_or(0);
-    format!("{}0.4{}", &urdf[..start], &urdf[end..])
+    let (before, head) = urdf
+        .split_once("<link name=\"head_tilt_link\"")
+        .expect("a head");
+    let heavier = edited(head, "<mass value=\"", |_| 0.4);
+    format!("{before}<link name=\"head_tilt_link\"{heavier}")
 }

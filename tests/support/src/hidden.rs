@@ -13,8 +13,9 @@
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
 use sesc_reference::{Error, Place, World};
+
+use crate::recording::normal;
 
 /// The target of an effect that has none.
 pub const NOWHERE: &str = "-";
@@ -85,41 +86,50 @@ pub enum Effect {
     GearError,
 }
 
+/// Name and number of parameters of each, in the order of their declaration.
+const EFFECTS: [(Effect, &str, usize); 27] = [
+    (Effect::SensorOffset, "sensor_offset", 2),
+    (Effect::SensorGain, "sensor_gain", 2),
+    (Effect::SensorRotation, "sensor_rotation", 1),
+    (Effect::SensorDrift, "sensor_drift", 2),
+    (Effect::CellGain, "cell_gain", 1),
+    (Effect::CellOffset, "cell_offset", 1),
+    (Effect::CellExponent, "cell_exponent", 1),
+    (Effect::CellSaturation, "cell_saturation", 1),
+    (Effect::GroundSlope, "ground_slope", 2),
+    (Effect::Payload, "payload", 4),
+    (Effect::ExternalForce, "external_force", 3),
+    (Effect::JointOffset, "joint_offset", 1),
+    (Effect::JointScale, "joint_scale", 1),
+    (Effect::JointSign, "joint_sign", 0),
+    (Effect::JointSwap, "joint_swap", 0),
+    (Effect::JointCompliance, "joint_compliance", 1),
+    (Effect::Backlash, "backlash", 1),
+    (Effect::TimeDelay, "time_delay", 1),
+    // As many as there are links, and more.
+    (Effect::MassDistribution, "mass_distribution", 40),
+    (Effect::CopOutliers, "cop_outliers", 1),
+    (Effect::Units, "units", 0),
+    (Effect::HangingLoad, "hanging_load", 4),
+    (Effect::KneeSine, "knee_sine", 1),
+    (Effect::LooseMass, "loose_mass", 1),
+    (Effect::BendingLink, "bending_link", 1),
+    (Effect::Cable, "cable", 1),
+    (Effect::GearError, "gear_error", 1),
+];
+
 impl Effect {
     /// What the library of effects knows.
-    pub const LIBRARY: [Effect; 21] = [
-        Effect::SensorOffset,
-        Effect::SensorGain,
-        Effect::SensorRotation,
-        Effect::SensorDrift,
-        Effect::CellGain,
-        Effect::CellOffset,
-        Effect::CellExponent,
-        Effect::CellSaturation,
-        Effect::GroundSlope,
-        Effect::Payload,
-        Effect::ExternalForce,
-        Effect::JointOffset,
-        Effect::JointScale,
-        Effect::JointSign,
-        Effect::JointSwap,
-        Effect::JointCompliance,
-        Effect::Backlash,
-        Effect::TimeDelay,
-        Effect::MassDistribution,
-        Effect::CopOutliers,
-        Effect::Units,
-    ];
+    pub fn library() -> Vec<Effect> {
+        let all = EFFECTS.into_iter().map(|row| row.0);
+        all.filter(|effect| !effect.is_outside()).collect()
+    }
 
     /// What it does not know.
-    pub const OUTSIDE: [Effect; 6] = [
-        Effect::HangingLoad,
-        Effect::KneeSine,
-        Effect::LooseMass,
-        Effect::BendingLink,
-        Effect::Cable,
-        Effect::GearError,
-    ];
+    pub fn outside() -> Vec<Effect> {
+        let all = EFFECTS.into_iter().map(|row| row.0);
+        all.filter(|effect| effect.is_outside()).collect()
+    }
 
     /// Those of the library that move the CoM at a given reading of the encoders.
     pub const BODY: [Effect; 8] = [
@@ -135,46 +145,17 @@ impl Effect {
 
     /// The name in the diagnoser's contract; for the others our own.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::SensorOffset => "sensor_offset",
-            Self::SensorGain => "sensor_gain",
-            Self::SensorRotation => "sensor_rotation",
-            Self::SensorDrift => "sensor_drift",
-            Self::CellGain => "cell_gain",
-            Self::CellOffset => "cell_offset",
-            Self::CellExponent => "cell_exponent",
-            Self::CellSaturation => "cell_saturation",
-            Self::GroundSlope => "ground_slope",
-            Self::Payload => "payload",
-            Self::ExternalForce => "external_force",
-            Self::JointOffset => "joint_offset",
-            Self::JointScale => "joint_scale",
-            Self::JointSign => "joint_sign",
-            Self::JointSwap => "joint_swap",
-            Self::JointCompliance => "joint_compliance",
-            Self::Backlash => "backlash",
-            Self::TimeDelay => "time_delay",
-            Self::MassDistribution => "mass_distribution",
-            Self::CopOutliers => "cop_outliers",
-            Self::Units => "units",
-            Self::HangingLoad => "hanging_load",
-            Self::KneeSine => "knee_sine",
-            Self::LooseMass => "loose_mass",
-            Self::BendingLink => "bending_link",
-            Self::Cable => "cable",
-            Self::GearError => "gear_error",
-        }
+        EFFECTS[self as usize].1
     }
 
     /// The effect of this name.
     pub fn named(name: &str) -> Option<Effect> {
-        let all = Self::LIBRARY.into_iter().chain(Self::OUTSIDE);
-        all.into_iter().find(|effect| effect.name() == name)
+        EFFECTS.iter().find(|row| row.1 == name).map(|row| row.0)
     }
 
     /// Whether the library does not know it.
     pub fn is_outside(self) -> bool {
-        Self::OUTSIDE.contains(&self)
+        self > Effect::Units
     }
 
     /// Whether it shows in forces of cells alone.
@@ -187,15 +168,7 @@ impl Effect {
 
     /// The number of values that a fit would find.
     pub fn parameters(self) -> usize {
-        match self {
-            Self::JointSign | Self::JointSwap | Self::Units => 0,
-            Self::SensorOffset | Self::SensorGain | Self::SensorDrift | Self::GroundSlope => 2,
-            Self::ExternalForce => 3,
-            Self::Payload | Self::HangingLoad => 4,
-            // As many as there are links, and more.
-            Self::MassDistribution => 40,
-            _ => 1,
-        }
+        EFFECTS[self as usize].2
     }
 }
 
@@ -216,6 +189,17 @@ pub struct Hidden {
 }
 
 impl Hidden {
+    /// An effect of this size.
+    pub fn new(effect: Effect, target: &str, values: &[f64]) -> Hidden {
+        Hidden {
+            effect,
+            target: target.to_owned(),
+            values: values.to_vec(),
+            begins: 0.0,
+            seed: 1,
+        }
+    }
+
     /// Its name in JSON: `effect`, or `effect:target`.
     pub fn label(&self) -> String {
         if self.target == NOWHERE {
@@ -308,7 +292,7 @@ impl Hidden {
     /// Every link's mass by a factor, every CoM by a shift of some millimetres.
     fn spread_masses(&self, mut world: World) -> Result<World, Error> {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
-        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let mut normal = || normal(&mut random);
         let spread = self.values[0];
         let links = world.robot().links().iter();
         let massive: Vec<(String, f64)> = links

@@ -45,48 +45,31 @@ impl Answer {
     /// Reads the diagnoser's JSON.
     ///
     /// # Errors
-    /// The key that is not as the contract has it.
+    /// Where it is not as the contract has it.
     pub fn read(json: &Value) -> Result<Answer, String> {
-        let number = |value: &Value, key: &str| {
-            value
-                .as_f64()
-                .ok_or_else(|| format!("`{key}` is {value}, not a number"))
+        Answer::of(json).ok_or_else(|| format!("no answer of the contract: {json}"))
+    }
+
+    fn of(json: &Value) -> Option<Answer> {
+        let step = |step: &Value| Some(label(step["effect"].as_str()?, step["target"].as_str()?));
+        let one = |one: &Value| {
+            let one = one.as_str()?;
+            let (effect, target) = one.split_once(':').unwrap_or((one, NOWHERE));
+            Some(label(effect, target))
         };
-        let list = |key: &str| {
-            let value = &json[key];
-            value
-                .as_array()
-                .ok_or_else(|| format!("`{key}` is {value}, not a list"))
-        };
-        let text = |value: &Value, key: &str| {
-            let text = value.as_str().map(str::to_owned);
-            text.ok_or_else(|| format!("`{key}` is {value}, not a text"))
-        };
-        let mut steps = Labels::new();
-        for step in list("steps")? {
-            let effect = text(&step["effect"], "effect")?;
-            let target = text(&step["target"], "target")?;
-            steps.insert(label(&effect, &target));
-        }
-        let mut groups = Vec::new();
-        for group in list("indistinguishable")? {
-            let group = group.as_array().ok_or("a group is not a list")?;
-            let labels = group.iter().map(|one| {
-                let one = text(one, "indistinguishable")?;
-                let (effect, target) = one.split_once(':').unwrap_or((&one, NOWHERE));
-                Ok(label(effect, target))
-            });
-            groups.push(labels.collect::<Result<Labels, String>>()?);
-        }
-        Ok(Answer {
-            verdict: text(&json["verdict"], "verdict")?,
-            steps,
-            groups,
-            unexplained: json["unexplained"]
-                .as_bool()
-                .ok_or("`unexplained` is not a bool")?,
-            final_rmse: number(&json["final"]["rmse"], "final.rmse")?,
-            noise_floor: number(&json["noise_floor"], "noise_floor")?,
+        let group = |group: &Value| group.as_array()?.iter().map(one).collect();
+        let groups = json["indistinguishable"].as_array()?.iter().map(group);
+        Some(Answer {
+            verdict: json["verdict"].as_str()?.to_owned(),
+            steps: json["steps"]
+                .as_array()?
+                .iter()
+                .map(step)
+                .collect::<Option<_>>()?,
+            groups: groups.collect::<Option<_>>()?,
+            unexplained: json["unexplained"].as_bool()?,
+            final_rmse: json["final"]["rmse"].as_f64()?,
+            noise_floor: json["noise_floor"].as_f64()?,
         })
     }
 
@@ -188,10 +171,8 @@ fn label(effect: &str, target: &str) -> String {
 
 /// The names alone; two of a kind count as two.
 pub fn names(labels: &Labels) -> Vec<String> {
-    let names = labels
-        .iter()
-        .map(|label| label.split(':').next().unwrap_or(""));
-    let mut names: Vec<String> = names.map(str::to_owned).collect();
+    let names = labels.iter().map(|label| label.split(':').next());
+    let mut names: Vec<String> = names.map(|name| name.unwrap_or("").to_owned()).collect();
     names.sort_unstable();
     names
 }
@@ -206,17 +187,12 @@ fn joined(labels: &Labels) -> String {
 
 fn without_excuses(said: &Labels, truth: &Labels) -> Labels {
     let outliers = Effect::CopOutliers.name();
-    let loose = truth
-        .iter()
-        .any(|label| label.starts_with(Effect::Backlash.name()));
-    if loose && !truth.contains(outliers) {
-        said.iter()
-            .filter(|label| *label != outliers)
-            .cloned()
-            .collect()
-    } else {
-        said.clone()
+    let is_loose = |label: &String| label.starts_with(Effect::Backlash.name());
+    let mut said = said.clone();
+    if truth.iter().any(is_loose) && !truth.contains(outliers) {
+        said.remove(outliers);
     }
+    said
 }
 
 /// An explanation by labels, sizes left open.
@@ -225,13 +201,7 @@ fn explanation(labels: &Labels) -> Option<Vec<Hidden>> {
         let (effect, target) = label.split_once(':').unwrap_or((label, NOWHERE));
         let effect = Effect::named(effect).filter(|effect| !effect.is_outside())?;
         let can_refit = !matches!(effect, Effect::MassDistribution | Effect::Units);
-        can_refit.then(|| Hidden {
-            effect,
-            target: target.to_owned(),
-            values: vec![0.0; effect.parameters()],
-            begins: 0.0,
-            seed: 0,
-        })
+        can_refit.then(|| Hidden::new(effect, target, &vec![0.0; effect.parameters()]))
     });
     hidden.collect()
 }

@@ -15,103 +15,56 @@ use std::time::{Duration, Instant};
 
 use rand::{Rng, RngExt as _};
 
-use crate::command::Folder;
+use crate::command::{Folder, rows};
 
 /// A command that writes, in two versions whose outputs differ.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Writer {
     /// What it is called in tables.
-    pub name: &'static str,
+    pub name: String,
     /// Its words.
-    command: &'static str,
-    /// What each version has behind these.
-    ends: [&'static str; 2],
+    command: String,
+    /// What the second version has behind these.
+    end: String,
 }
 
 impl Writer {
     /// The words of a version.
     pub fn line(&self, version: usize) -> String {
-        format!("{} {}", self.command, self.ends[version])
+        let end = if version == 0 { "" } else { &self.end };
+        format!("{} {end}", self.command)
     }
 }
 
-/// Seeds of the two versions.
-const SEEDS: [&str; 2] = ["--seed 1", "--seed 2"];
+/// A name of every command that writes and of every format, its words, the end of the second version.
+const WRITERS: &str =
+    "simulate, CSV | simulate a.urdf --support foot --poses 400 --out out.csv | --seed 2
+    simulate, gzip | simulate a.urdf --support foot --poses 400 --out out.csv.gz | --seed 2
+    simulate, Parquet | simulate a.urdf --support foot --poses 400 --out out.parquet | --seed 2
+    fit | fit a.urdf --data log.csv --out model.toml --report page.html --urdf b.urdf
+        | --prior tight
+    fit, part | fit a.urdf --data log.csv --partial a.part | --folds 3
+    diagnose | diagnose a.urdf --data log.csv --out model.toml --report page.html --next next.csv
+        | --prior cad
+    predict | predict a.urdf --data log.csv --out out.csv | --model model.toml
+    compare | compare log.csv other.csv --urdf a.urdf --report page.html | --prior tight
+    plan | plan a.urdf --support foot --poses 5 --cop-box 0.2 --candidates 50 --out plan.csv
+        --report page.html | --seed 2
+    generate, Rust | generate a.urdf --support foot --lang rust --name leg --out out
+        | --model model.toml
+    generate, C | generate a.urdf --support foot --lang c --name leg --layout cmake --out out
+        | --scalar f32
+    fleet | fleet a.urdf --data logs --store parts --out table.csv --report fleet.html
+        --prior-out prior.toml --only parameters | --prior cad
+    demo | demo --keep kept --out demo.html | --seed 2";
 
-const fn writer(name: &'static str, command: &'static str, ends: [&'static str; 2]) -> Writer {
-    Writer {
-        name,
-        command,
-        ends,
-    }
+/// Every command that writes.
+pub fn writers() -> impl Iterator<Item = Writer> {
+    rows(WRITERS).into_iter().map(|row| {
+        let [name, command, end] = row.try_into().expect("three cells");
+        Writer { name, command, end }
+    })
 }
-
-/// Every command that writes, and every format.
-pub const WRITERS: [Writer; 13] = [
-    writer(
-        "simulate, CSV",
-        "simulate a.urdf --support foot --poses 400 --out out.csv",
-        SEEDS,
-    ),
-    writer(
-        "simulate, gzip",
-        "simulate a.urdf --support foot --poses 400 --out out.csv.gz",
-        SEEDS,
-    ),
-    writer(
-        "simulate, Parquet",
-        "simulate a.urdf --support foot --poses 400 --out out.parquet",
-        SEEDS,
-    ),
-    writer(
-        "fit",
-        "fit a.urdf --data log.csv --out model.toml --report page.html --urdf b.urdf",
-        ["", "--prior tight"],
-    ),
-    writer(
-        "fit, part",
-        "fit a.urdf --data log.csv --partial a.part",
-        ["", "--folds 3"],
-    ),
-    writer(
-        "diagnose",
-        "diagnose a.urdf --data log.csv --out model.toml --report page.html --next next.csv",
-        ["", "--prior cad"],
-    ),
-    writer(
-        "predict",
-        "predict a.urdf --data log.csv --out out.csv",
-        ["--support foot", "--model model.toml"],
-    ),
-    writer(
-        "compare",
-        "compare log.csv other.csv --urdf a.urdf --report page.html",
-        ["", "--prior tight"],
-    ),
-    writer(
-        "plan",
-        "plan a.urdf --support foot --poses 5 --cop-box 0.2 --candidates 50 --out plan.csv \
-         --report page.html",
-        SEEDS,
-    ),
-    writer(
-        "generate, Rust",
-        "generate a.urdf --support foot --lang rust --name leg --out out",
-        ["", "--model model.toml"],
-    ),
-    writer(
-        "generate, C",
-        "generate a.urdf --support foot --lang c --name leg --layout cmake --out out",
-        ["--scalar f64", "--scalar f32"],
-    ),
-    writer(
-        "fleet",
-        "fleet a.urdf --data logs --store parts --out table.csv --report fleet.html \
-         --prior-out prior.toml --only parameters",
-        ["", "--prior cad"],
-    ),
-    writer("demo", "demo --keep kept --out demo.html", SEEDS),
-];
 
 /// A folder of the fleet's rows: they are written once and never again.
 const STORE: &str = "parts";
@@ -163,11 +116,11 @@ impl Victim {
         for version in [0, 1] {
             victim.clear();
             let begun = Instant::now();
-            victim.folder.stdout(&writer.line(version));
+            victim.folder.stdout(&victim.writer.line(version));
             victim.took = begun.elapsed();
             victim.whole[version] = victim.files();
         }
-        assert_ne!(victim.whole[0], victim.whole[1], "{}", writer.name);
+        assert_ne!(victim.whole[0], victim.whole[1], "{}", victim.writer.name);
         victim
     }
 
@@ -220,13 +173,16 @@ impl Victim {
         };
         let wrong = now.iter().find(|file| !is_whole(file));
         let gone = before.keys().find(|name| !now.contains_key(*name));
-        let said = match (wrong, gone) {
+        let (name, what) = match (wrong, gone) {
             (Some((name, _)), _) => (name, "neither the old file nor the new one"),
             (None, Some(name)) => (name, "gone"),
             (None, None) => return Ok(()),
         };
-        let (name, what) = (said.0.display(), said.1);
-        Err(format!("{}: {name} is {what}", self.writer.name))
+        Err(format!(
+            "{}: {} is {what}",
+            self.writer.name,
+            name.display()
+        ))
     }
 }
 

@@ -9,10 +9,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
 use sesc_reference::{Track, World};
 
 use crate::poses::Poses;
+use crate::recording::normal;
 use crate::stage::Stage;
 
 /// Readings that a posture's mean is made of.
@@ -131,7 +131,7 @@ impl Log {
         (style, readings): (Style, usize),
         random: &mut ChaCha8Rng,
     ) {
-        let mut normal = || -> f64 { StandardNormal.sample(random) };
+        let mut normal = || normal(random);
         let mut start = format!("{}", self.numbers[i]);
         if let Some(times) = &self.times {
             let _ = write!(start, ",{:.3}", times[i]);

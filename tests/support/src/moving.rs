@@ -84,19 +84,14 @@ impl Swing {
             true => (q / self.tick).round() * self.tick,
             false => *q,
         };
+        let q = track.postures().iter();
+        let cop = readings.iter().enumerate();
+        let cop = cop.map(|(k, own)| [0, 1].map(|axis| own.cop[axis] + noises[axis][k]));
         Recording {
             joints: stage.joint_names(),
             pose: None,
-            q: track
-                .postures()
-                .iter()
-                .map(|q| q.iter().map(written).collect())
-                .collect(),
-            cop: readings
-                .iter()
-                .enumerate()
-                .map(|(k, reading)| [0, 1].map(|axis| reading.cop[axis] + noises[axis][k]))
-                .collect(),
+            q: q.map(|q| q.iter().map(written).collect()).collect(),
+            cop: cop.collect(),
             t,
         }
     }

@@ -10,8 +10,10 @@ use std::fmt;
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
+use sesc_identify::logs::Table;
 use sesc_reference::{Track, World};
 
+use crate::command::Sheet;
 use crate::stage::Stage;
 
 /// What noise is like, beside its size; time constants in s.
@@ -160,18 +162,73 @@ impl Recording {
         recording
     }
 
+    /// Readings of `world` in postures `q`, one after the other, with white noise of `std` m.
+    pub fn still(
+        stage: &Stage,
+        world: &World,
+        q: Vec<Vec<f64>>,
+        std: f64,
+        random: &mut ChaCha8Rng,
+    ) -> Recording {
+        let cop = q
+            .iter()
+            .map(|q| world.cop(q).map(|x| x + std * normal(random)));
+        Recording {
+            joints: stage.joint_names(),
+            cop: cop.collect(),
+            q,
+            ..Recording::default()
+        }
+    }
+
     /// One in so many rows.
     pub fn every(&self, nth: usize) -> Recording {
+        let pose = self.pose.as_ref().map(|pose| pose.iter());
         Recording {
             joints: self.joints.clone(),
             t: self.t.iter().step_by(nth).copied().collect(),
-            pose: self
-                .pose
-                .as_ref()
-                .map(|pose| pose.iter().step_by(nth).copied().collect()),
+            pose: pose.map(|pose| pose.step_by(nth).copied().collect()),
             q: self.q.iter().step_by(nth).cloned().collect(),
             cop: self.cop.iter().step_by(nth).copied().collect(),
         }
+    }
+
+    /// The same as a log in memory; without times unless they are wanted.
+    pub fn table(&self, timed: bool) -> Table {
+        table(self.columns(timed))
+    }
+
+    /// The same as a CSV table.
+    pub fn sheet(&self, timed: bool) -> Sheet {
+        let columns = self.columns(timed);
+        let row = |k: usize| {
+            columns
+                .iter()
+                .map(|(_, values)| values[k].to_string())
+                .collect()
+        };
+        Sheet {
+            names: columns.iter().map(|(name, _)| name.clone()).collect(),
+            rows: (0..self.q.len()).map(row).collect(),
+        }
+    }
+
+    /// The same as its text.
+    pub fn csv(&self, timed: bool) -> String {
+        self.sheet(timed).to_string()
+    }
+
+    /// Where a joint stands in the rows.
+    pub fn joint(&self, name: &str) -> usize {
+        let joint = self.joints.iter().position(|own| own == name);
+        joint.expect("a joint of the robot")
+    }
+
+    /// The encoder of a joint says all the time what it says first.
+    pub fn stick(&mut self, joint: &str) {
+        let joint = self.joint(joint);
+        let at = self.q[0][joint];
+        self.q.iter_mut().for_each(|q| q[joint] = at);
     }
 
     /// Columns by name.
@@ -194,18 +251,22 @@ impl Recording {
     }
 }
 
-fn normal(random: &mut ChaCha8Rng) -> f64 {
+/// A log in memory of these columns.
+pub fn table(columns: Vec<(String, Vec<f64>)>) -> Table {
+    let add = |table: Table, (name, values): (String, Vec<f64>)| table.numbers(&name, values);
+    columns.into_iter().fold(Table::new("log"), add)
+}
+
+/// A normal number of deviation 1.
+pub fn normal(random: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(random)
 }
 
 /// Noise at times `t`.
 pub fn draw(kind: Kind, std: f64, t: &[f64], random: &mut ChaCha8Rng) -> Vec<f64> {
-    let steps = |k: usize| {
-        if k == 0 {
-            f64::INFINITY
-        } else {
-            t[k] - t[k - 1]
-        }
+    let step = |k: usize| {
+        k.checked_sub(1)
+            .map_or(f64::INFINITY, |before| t[k] - t[before])
     };
     let white = |n: usize, random: &mut ChaCha8Rng| -> Vec<f64> {
         (0..n).map(|_| normal(random)).collect()
@@ -213,7 +274,7 @@ pub fn draw(kind: Kind, std: f64, t: &[f64], random: &mut ChaCha8Rng) -> Vec<f64
     let ar1 = |tau: f64, drive: &[f64]| -> Vec<f64> {
         let mut e = 0.0;
         let all = drive.iter().enumerate().map(|(k, w)| {
-            let rho = (-steps(k) / tau).exp();
+            let rho = (-step(k) / tau).exp();
             e = rho * e + (1.0 - rho * rho).sqrt() * w;
             e
         });
@@ -225,8 +286,7 @@ pub fn draw(kind: Kind, std: f64, t: &[f64], random: &mut ChaCha8Rng) -> Vec<f64
         Kind::Ar1(tau) => ar1(tau, &white(n, random)),
         Kind::Smooth(tau) => {
             // Driven by a process of unit variance the second has (1 + ρ²)/(1 − ρ²) of it.
-            let step = if n > 1 { t[1] - t[0] } else { 1.0 };
-            let rho = (-step / tau).exp();
+            let rho = (-step(1) / tau).exp();
             let size = ((1.0 - rho * rho) / (1.0 + rho * rho)).sqrt();
             let twice = ar1(tau, &ar1(tau, &white(n, random)));
             twice.into_iter().map(|e| size * e).collect()
@@ -241,35 +301,4 @@ pub fn draw(kind: Kind, std: f64, t: &[f64], random: &mut ChaCha8Rng) -> Vec<f64
         }
     };
     unit.into_iter().map(|e| std * e).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use rand::SeedableRng as _;
-
-    use super::*;
-
-    /// Variance and correlation at 0.5 s, τ = 0.5 s, against their closed forms.
-    #[test]
-    fn noise_has_the_variance_and_the_correlation_it_says() {
-        let t: Vec<f64> = (0..200_000).map(|k| 0.05 * f64::from(k)).collect();
-        let e1 = (-1.0_f64).exp();
-        let kinds = [
-            (Kind::White, 0.0),
-            (Kind::Ar1(0.5), e1),
-            (Kind::Smooth(0.5), 2.0 * e1),
-            (Kind::Sway(0.5), 0.5 * e1),
-        ];
-        for (kind, expected) in kinds {
-            let e = draw(kind, 2.0, &t, &mut ChaCha8Rng::seed_from_u64(3));
-            let mean = |lag: usize| {
-                let pairs = e.iter().zip(&e[lag..]);
-                pairs.map(|(a, b)| a * b).sum::<f64>() / (e.len() - lag) as f64
-            };
-            let variance = mean(0);
-            assert!((variance / 4.0 - 1.0).abs() < 0.06, "{kind:?}: {variance}");
-            let found = mean(10) / variance;
-            assert!((found - expected).abs() < 0.03, "{kind:?}: {found}");
-        }
-    }
 }

@@ -50,7 +50,12 @@ pub fn ask(diagnoser: &Diagnoser, trial: &Trial, folder: &Path) -> Result<Outcom
     Ok(Outcome {
         question: trial.question,
         effects: trial.hidden.iter().map(|hidden| hidden.effect).collect(),
-        description: describe(trial),
+        description: format!(
+            "{:?} {:?} {}",
+            trial.stage.platform,
+            trial.postures,
+            trial.sizes()
+        ),
         chi2: trial.chi2,
         seed: trial.seed,
         judgement,
@@ -60,44 +65,16 @@ pub fn ask(diagnoser: &Diagnoser, trial: &Trial, folder: &Path) -> Result<Outcom
 
 /// RMSE of predictions of the postures put aside, noise included, over the noise.
 fn over_noise(predicted: &[[f64; 2]], trial: &Trial) -> Result<f64, String> {
-    if predicted.len() != trial.aside.len() {
-        return Err(format!(
-            "{} of {} postures predicted",
-            predicted.len(),
-            trial.aside.len()
-        ));
+    let (count, of) = (predicted.len(), trial.aside.len());
+    if count != of {
+        return Err(format!("{count} of {of} postures predicted"));
     }
-    let sigma = trial
-        .log
-        .sigma
-        .iter()
-        .map(|sigma| sigma[0].powi(2) + sigma[1].powi(2));
-    let noise = sigma.sum::<f64>() / trial.log.sigma.len() as f64;
+    let square = |[x, y]: [f64; 2]| x * x + y * y;
+    let sigma = &trial.log.sigma;
+    let noise = sigma.iter().map(|sigma| square(*sigma)).sum::<f64>() / sigma.len() as f64;
     let gaps = predicted.iter().zip(&trial.aside);
-    let gaps =
-        gaps.map(|(found, truth)| (found[0] - truth[0]).powi(2) + (found[1] - truth[1]).powi(2));
+    let gaps = gaps.map(|(found, truth)| square([found[0] - truth[0], found[1] - truth[1]]));
     Ok((1.0 + gaps.sum::<f64>() / predicted.len() as f64 / noise).sqrt())
-}
-
-fn describe(trial: &Trial) -> String {
-    let hidden: Vec<String> = trial
-        .hidden
-        .iter()
-        .map(|hidden| {
-            let values: Vec<String> = hidden.values.iter().map(|v| format!("{v:.3e}")).collect();
-            format!("{}({})", hidden.label(), values.join(" "))
-        })
-        .collect();
-    format!(
-        "{:?} {:?} {}",
-        trial.stage.platform,
-        trial.postures,
-        if hidden.is_empty() {
-            "nothing".to_owned()
-        } else {
-            hidden.join(" + ")
-        }
-    )
 }
 
 /// The questions of a study: what is asked how often, of `trials` in all.
@@ -133,17 +110,15 @@ pub fn questions(trials: usize, choice: &Choice) -> Vec<Question> {
 
 /// All robots, logs of every length.
 pub fn everything() -> Choice {
+    // The OP2 seven times in ten.
+    let platforms = [
+        vec![Platform::Op2; 7],
+        vec![Platform::Skew; 2],
+        vec![Platform::Plain],
+    ];
     Choice {
-        // The OP2 seven times in ten.
-        platforms: [
-            vec![Platform::Op2; 7],
-            vec![Platform::Skew; 2],
-            vec![Platform::Plain],
-        ]
-        .concat(),
-        only: None,
-        body: false,
+        platforms: platforms.concat(),
         long: true,
-        held: 0.0,
+        ..Choice::on(Platform::Op2)
     }
 }

@@ -7,6 +7,8 @@ use crate::hidden::Effect;
 use crate::survey::Outcome;
 use crate::trial::Question;
 
+use Bound::{Least, Most, Shown};
+
 /// The share that is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bound {
@@ -42,9 +44,9 @@ impl Goal {
         let found = self.found();
         self.of == 0
             || match self.bound {
-                Bound::Least(share) => found >= share,
-                Bound::Most(share) => found <= share,
-                Bound::Shown => true,
+                Least(share) => found >= share,
+                Most(share) => found <= share,
+                Shown => true,
             }
     }
 }
@@ -54,170 +56,72 @@ const STRONG: f64 = 4000.0;
 
 type Is = fn(&Outcome) -> bool;
 
+/// What is counted: of which outcomes, how many, and which of them.
+macro_rules! goals {
+    ($($what:literal: $of:ident, $bound:expr, $is:ident;)+) => {
+        [$(($what, $of, $bound, $is)),+]
+    };
+}
+
 /// What the study is to show: of which logs at least (or at most) which share
 /// is to be how. Where no share is asked, it is for comparison.
-const GOALS: [(&str, Is, Bound, Is); 21] = [
-    (
-        "one effect: named, or of its class",
-        one,
-        Bound::Least(0.95),
-        |o| o.judgement.name_or_class(),
-    ),
-    ("one effect: named exactly", one, Bound::Least(0.87), |o| {
-        o.judgement.name
-    }),
-    (
-        "one effect: target right, or of its class",
-        one,
-        Bound::Least(0.93),
-        |o| o.judgement.class(),
-    ),
-    (
-        "one effect: truth inside the group",
-        one,
-        Bound::Least(0.97),
-        |o| o.judgement.in_group,
-    ),
-    (
-        "nothing hidden: false alarms",
-        nothing,
-        Bound::Most(0.01),
-        |o| !silent(o),
-    ),
-    ("two effects: class", two, Bound::Least(0.88), |o| {
-        o.judgement.class()
-    }),
-    (
-        "two effects: both named exactly",
-        two,
-        Bound::Least(0.78),
-        |o| o.judgement.name,
-    ),
-    (
-        "two effects: both names and targets",
-        two,
-        Bound::Shown,
-        |o| o.judgement.exact,
-    ),
-    ("three effects: class", three, Bound::Least(0.85), |o| {
-        o.judgement.class()
-    }),
-    (
-        "one effect: postures put aside below 1.1 noises",
-        one,
-        Bound::Least(0.97),
-        predicted_to_noise,
-    ),
-    (
-        "two effects: postures put aside below 1.1 noises",
-        two,
-        Bound::Least(0.95),
-        predicted_to_noise,
-    ),
-    (
-        "one effect: held out below 1.1, as reported",
-        one,
-        Bound::Shown,
-        |o| o.judgement.held_out < 1.1,
-    ),
-    (
-        "two effects: held out below 1.1, as reported",
-        two,
-        Bound::Shown,
-        |o| o.judgement.held_out < 1.1,
-    ),
-    (
-        "drift named: postures put aside below 1.1 noises",
-        drifting,
-        Bound::Shown,
-        |o| o.judgement.aside.is_some_and(|aside| aside < 1.1),
-    ),
-    (
-        "outside the library: unexplained, or at its place",
-        outside,
-        Bound::Shown,
-        |o| o.judgement.unexplained || o.judgement.at_place,
-    ),
-    (
-        "... shown with chi2 above 4000: the same",
-        strongly_outside,
-        Bound::Least(1.0),
-        |o| o.judgement.unexplained || o.judgement.at_place,
-    ),
-    (
-        "... the same, or imitated to within noise",
-        outside,
-        Bound::Shown,
-        |o| o.judgement.unexplained || o.judgement.at_place || o.judgement.imitates,
-    ),
-    (
-        "hanging load: payload at its hinge, or unexplained",
-        hanging,
-        Bound::Least(1.0),
-        |o| o.judgement.class() || o.judgement.unexplained,
-    ),
-    (
-        "known effects: unexplained",
-        known,
-        Bound::Most(0.02),
-        |o| o.judgement.unexplained,
-    ),
-    (
-        "invisible here: none",
-        invisible,
-        Bound::Least(0.95),
-        silent,
-    ),
-    (
-        "masses as CAD is trusted: none",
-        absorbed,
-        Bound::Least(0.95),
-        silent,
-    ),
-];
+const GOALS: [(&str, Is, Bound, Is); 21] = goals! {
+    "one effect: named, or of its class": one, Least(0.95), name_or_class;
+    "one effect: named exactly": one, Least(0.87), name;
+    "one effect: target right, or of its class": one, Least(0.93), class;
+    "one effect: truth inside the group": one, Least(0.97), in_group;
+    "nothing hidden: false alarms": nothing, Most(0.01), loud;
+    "two effects: class": two, Least(0.88), class;
+    "two effects: both named exactly": two, Least(0.78), name;
+    "two effects: both names and targets": two, Shown, exact;
+    "three effects: class": three, Least(0.85), class;
+    "one effect: postures put aside below 1.1 noises": one, Least(0.97), predicted_to_noise;
+    "two effects: postures put aside below 1.1 noises": two, Least(0.95), predicted_to_noise;
+    "one effect: held out below 1.1, as reported": one, Shown, held_out;
+    "two effects: held out below 1.1, as reported": two, Shown, held_out;
+    "drift named: postures put aside below 1.1 noises": drifting, Shown, aside;
+    "outside the library: unexplained, or at its place": outside, Shown, placed;
+    "... shown with chi2 above 4000: the same": strongly_outside, Least(1.0), placed;
+    "... the same, or imitated to within noise": outside, Shown, imitated;
+    "hanging load: payload at its hinge, or unexplained": hanging, Least(1.0), hinged;
+    "known effects: unexplained": known, Most(0.02), unexplained;
+    "invisible here: none": invisible, Least(0.95), silent;
+    "masses as CAD is trusted: none": absorbed, Least(0.95), silent;
+};
 
-fn one(outcome: &Outcome) -> bool {
-    outcome.question == Question::Library(1)
+/// Facts of an outcome by name.
+macro_rules! facts {
+    ($($name:ident: $o:ident => $fact:expr;)+) => {
+        $(fn $name($o: &Outcome) -> bool { $fact })+
+    };
 }
 
-fn two(outcome: &Outcome) -> bool {
-    outcome.question == Question::Library(2)
-}
-
-fn three(outcome: &Outcome) -> bool {
-    outcome.question == Question::Library(3)
-}
-
-fn known(outcome: &Outcome) -> bool {
-    matches!(outcome.question, Question::Library(_))
-}
-
-fn nothing(outcome: &Outcome) -> bool {
-    outcome.question == Question::Nothing
-}
-
-fn hanging(outcome: &Outcome) -> bool {
-    outcome.question == Question::Outside && outcome.effects == [Effect::HangingLoad]
-}
-
-fn outside(outcome: &Outcome) -> bool {
-    outcome.question == Question::Outside && !hanging(outcome)
-}
-
-fn strongly_outside(outcome: &Outcome) -> bool {
-    outside(outcome) && outcome.chi2 > STRONG
-}
-
-fn invisible(outcome: &Outcome) -> bool {
-    outcome.question == Question::Invisible
-}
-
-fn absorbed(outcome: &Outcome) -> bool {
-    outcome.question == Question::Absorbed
-}
-
-fn silent(outcome: &Outcome) -> bool {
-    outcome.judgement.none && !outcome.judgement.unexplained
+facts! {
+    name: o => o.judgement.name;
+    exact: o => o.judgement.exact;
+    class: o => o.judgement.class();
+    name_or_class: o => o.judgement.name_or_class();
+    in_group: o => o.judgement.in_group;
+    held_out: o => o.judgement.held_out < 1.1;
+    aside: o => o.judgement.aside.is_some_and(|aside| aside < 1.1);
+    unexplained: o => o.judgement.unexplained;
+    placed: o => o.judgement.unexplained || o.judgement.at_place;
+    imitated: o => placed(o) || o.judgement.imitates;
+    hinged: o => o.judgement.class() || o.judgement.unexplained;
+    silent: o => o.judgement.none && !o.judgement.unexplained;
+    loud: o => !silent(o);
+    one: o => o.question == Question::Library(1);
+    two: o => o.question == Question::Library(2);
+    three: o => o.question == Question::Library(3);
+    known: o => matches!(o.question, Question::Library(_));
+    nothing: o => o.question == Question::Nothing;
+    hanging: o => o.question == Question::Outside && o.effects == [Effect::HangingLoad];
+    outside: o => o.question == Question::Outside && !hanging(o);
+    strongly_outside: o => outside(o) && o.chi2 > STRONG;
+    invisible: o => o.question == Question::Invisible;
+    absorbed: o => o.question == Question::Absorbed;
+    drifts: o => o.judgement.said.contains(Effect::SensorDrift.name());
+    drifting: o => known(o) && drifts(o) && o.judgement.aside.is_some();
 }
 
 /// Judge by postures put aside; what depends on a log's own time by what is reported.
@@ -225,14 +129,6 @@ fn predicted_to_noise(outcome: &Outcome) -> bool {
     let judgement = &outcome.judgement;
     let aside = judgement.aside.filter(|_| !drifts(outcome));
     aside.unwrap_or(judgement.held_out) < 1.1
-}
-
-fn drifts(outcome: &Outcome) -> bool {
-    outcome.judgement.said.contains(Effect::SensorDrift.name())
-}
-
-fn drifting(outcome: &Outcome) -> bool {
-    known(outcome) && drifts(outcome) && outcome.judgement.aside.is_some()
 }
 
 /// The goals, counted.
@@ -254,9 +150,9 @@ pub fn goal_table(goals: &[Goal]) -> String {
     let mut text = String::new();
     for goal in goals.iter().filter(|goal| goal.of > 0) {
         let bound = match goal.bound {
-            Bound::Least(share) => format!("at least {:5.1} %", 100.0 * share),
-            Bound::Most(share) => format!("at most  {:5.1} %", 100.0 * share),
-            Bound::Shown => String::new(),
+            Least(share) => format!("at least {:5.1} %", 100.0 * share),
+            Most(share) => format!("at most  {:5.1} %", 100.0 * share),
+            Shown => String::new(),
         };
         let _ = writeln!(
             text,
@@ -265,7 +161,7 @@ pub fn goal_table(goals: &[Goal]) -> String {
             100.0 * goal.found(),
             goal.met,
             goal.of,
-            if goal.is_met() { "" } else { "   MISSED" }
+            ["   MISSED", ""][usize::from(goal.is_met())]
         );
     }
     text
@@ -285,7 +181,7 @@ pub fn effect_table(outcomes: &[Outcome]) -> String {
         "hidden alone", "logs", "name", "target", "group", "class", "aside", "unexpl", "size"
     );
     for (effect, outcomes) in rows {
-        let share = |is: &dyn Fn(&Outcome) -> bool| {
+        let share = |is: Is| {
             100.0 * outcomes.iter().filter(|o| is(o)).count() as f64 / outcomes.len() as f64
         };
         let groups: usize = outcomes.iter().map(|o| o.judgement.group).sum();
@@ -295,21 +191,19 @@ pub fn effect_table(outcomes: &[Outcome]) -> String {
         }
         let mut taken: Vec<_> = taken.into_iter().collect();
         taken.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-        let taken: Vec<String> = taken
-            .iter()
-            .map(|(name, count)| format!("{name} {count}"))
-            .collect();
+        let taken = taken.iter().map(|(name, count)| format!("{name} {count}"));
+        let taken: Vec<String> = taken.collect();
         let _ = writeln!(
             text,
             "{:20} {:5} {:7.1} {:7.1} {:7.1} {:7.1} {:7.1} {:7.1} {:7.1}  {}",
             effect.name(),
             outcomes.len(),
-            share(&|o| o.judgement.name),
-            share(&|o| o.judgement.exact),
-            share(&|o| o.judgement.in_group),
-            share(&|o| o.judgement.class()),
-            share(&predicted_to_noise),
-            share(&|o| o.judgement.unexplained),
+            share(name),
+            share(exact),
+            share(in_group),
+            share(class),
+            share(predicted_to_noise),
+            share(unexplained),
             groups as f64 / outcomes.len() as f64,
             taken.join(", ")
         );
@@ -337,11 +231,7 @@ pub fn mistakes(outcomes: &[Outcome]) -> String {
                 outcome.chi2,
                 outcome.description,
                 judgement.said,
-                if judgement.unexplained {
-                    ", unexplained"
-                } else {
-                    ""
-                },
+                ["", ", unexplained"][usize::from(judgement.unexplained)],
                 judgement.held_out,
                 judgement.aside.unwrap_or(f64::NAN),
             );

@@ -207,3 +207,52 @@ fn axis(rng: &mut ChaCha8Rng, kind: Kind) -> String {
         vector(rng, 1.0)
     }
 }
+
+/// A robot's description, written element by element.
+#[derive(Debug, Clone)]
+pub struct Urdf(String);
+
+impl Urdf {
+    /// A robot of this name.
+    pub fn new(name: &str) -> Urdf {
+        Urdf(format!("<robot name='{name}'>"))
+    }
+
+    /// Adds a link whose mass (kg) is at this place, "x y z" in m.
+    pub fn link(self, name: &str, mass: f64, at: &str) -> Urdf {
+        self.link_with(name, mass, at, "")
+    }
+
+    /// The same with further elements.
+    pub fn link_with(self, name: &str, mass: f64, at: &str, more: &str) -> Urdf {
+        let inertial = format!("<origin xyz='{at}'/><mass value='{mass}'/>");
+        self.raw(&format!(
+            "<link name='{name}'><inertial>{inertial}</inertial>{more}</link>"
+        ))
+    }
+
+    /// Adds a revolute joint between two links, parent and child, with limits of ± `limit` rad.
+    pub fn revolute(self, name: &str, links: [&str; 2], at: &str, axis: &str, limit: f64) -> Urdf {
+        let limits = format!("<limit lower='-{limit}' upper='{limit}'/>");
+        let more = format!("<origin xyz='{at}'/><axis xyz='{axis}'/>{limits}");
+        self.joint(name, "revolute", links, &more)
+    }
+
+    /// Adds a joint of this type between two links, parent and child, with further elements.
+    pub fn joint(self, name: &str, kind: &str, [parent, child]: [&str; 2], more: &str) -> Urdf {
+        self.raw(&format!(
+            "<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>\
+             {more}</joint>"
+        ))
+    }
+
+    /// Adds elements as they are.
+    pub fn raw(self, elements: &str) -> Urdf {
+        Urdf(self.0 + elements)
+    }
+
+    /// The whole description.
+    pub fn text(self) -> String {
+        self.0 + "</robot>"
+    }
+}

@@ -65,6 +65,19 @@ pub struct Choice {
     pub held: f64,
 }
 
+impl Choice {
+    /// Short logs of one robot.
+    pub fn on(platform: Platform) -> Choice {
+        Choice {
+            platforms: vec![platform],
+            only: None,
+            body: false,
+            long: false,
+            held: 0.0,
+        }
+    }
+}
+
 impl Trial {
     /// Draws; the same for the same seed.
     pub fn draw(question: Question, choice: &Choice, seed: u64) -> Trial {
@@ -114,6 +127,19 @@ impl Trial {
         )
     }
 
+    /// What is hidden, with sizes.
+    pub fn sizes(&self) -> String {
+        let size = |hidden: &Hidden| {
+            let values: Vec<String> = hidden.values.iter().map(|v| format!("{v:.3e}")).collect();
+            format!("{}({})", hidden.label(), values.join(" "))
+        };
+        let all: Vec<String> = self.hidden.iter().map(size).collect();
+        match all.is_empty() {
+            true => "nothing".to_owned(),
+            false => all.join(" + "),
+        }
+    }
+
     /// Takes the log.
     fn take(
         (question, seed): (Question, u64),
@@ -151,11 +177,9 @@ fn sigma(stage: &Stage) -> f64 {
 fn effects(question: Question, choice: &Choice, random: &mut ChaCha8Rng) -> Vec<Effect> {
     let mut pick = |from: &[Effect]| from.choose(random).copied();
     // A log in degrees is refused or warned of before anybody is asked.
-    let common = Effect::LIBRARY
-        .into_iter()
-        .filter(|effect| *effect != Effect::Units)
-        .filter(|effect| !choice.body || Effect::BODY.contains(effect));
-    let common: Vec<Effect> = common.collect();
+    let mut common = Effect::library();
+    common.retain(|effect| *effect != Effect::Units);
+    common.retain(|effect| !choice.body || Effect::BODY.contains(effect));
     let mut effects: Vec<Effect> = match question {
         Question::Nothing => Vec::new(),
         Question::Library(1) => choice.only.or_else(|| pick(&common)).into_iter().collect(),
@@ -171,9 +195,8 @@ fn effects(question: Question, choice: &Choice, random: &mut ChaCha8Rng) -> Vec<
         }
         Question::Outside => {
             let only = choice.only.filter(|effect| effect.is_outside());
-            only.or_else(|| pick(&Effect::OUTSIDE))
-                .into_iter()
-                .collect()
+            let drawn = only.or_else(|| pick(&Effect::outside()));
+            drawn.into_iter().collect()
         }
         Question::Invisible => vec![Effect::JointOffset],
         Question::Absorbed => vec![Effect::MassDistribution],

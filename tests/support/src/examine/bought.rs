@@ -6,18 +6,16 @@ use std::sync::Arc;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::{self, Diagnosis, Request, Verdict};
-use sesc_identify::evaluate::Evaluator;
-use sesc_identify::robot::Robot;
-use sesc_model::{Function, Model, ModelFile, Snapping};
+use sesc_model::ModelFile;
 use sesc_reference::{Robot as TrueRobot, World};
 
-use super::{Failure, left_by_file};
+use super::{Failure, com_error, left_by_file, reread, robot};
 use crate::hidden::hide_all;
 use crate::judge::{Answer, truth};
 use crate::log::{Log, Style};
 use crate::poses::Poses;
+use crate::recording::normal;
 use crate::stage::Postures;
 use crate::trial::Trial;
 
@@ -28,10 +26,7 @@ const JUDGED: usize = 200;
 
 /// The robot as it might really be: every link's mass off by 10 %, its CoM by 5 mm an axis.
 pub fn bought(cad: &TrueRobot, random: &mut ChaCha8Rng) -> TrueRobot {
-    let mut gauss = |std: f64| -> f64 {
-        let x: f64 = StandardNormal.sample(random);
-        std * x
-    };
+    let mut gauss = |std: f64| std * normal(random);
     let mut robot = cad.clone();
     for link in cad.links().iter().filter(|link| link.mass_kg > 0.0) {
         let mass = link.mass_kg * (1.0 + gauss(0.1)).max(0.2);
@@ -85,23 +80,15 @@ pub fn examine(trial: &Trial, healthy: bool, folder: &Path) -> Result<Found, Fai
     };
     let before = take(&sound, HEALTHY, "before");
     let log = take(&world, FAULTY, "bought");
-    let robot = Arc::new(Robot::read(&stage.urdf)?);
+    let robot = robot(stage)?;
     let mut request = Request::new(Arc::clone(&robot), log.as_path());
     if healthy {
         request.healthy = vec![before.as_path().into()];
     }
     let report = diagnose::diagnose(&request, &mut ())?;
-    let file = ModelFile::parse(&toml::to_string(&report.model_file)?, "model.toml")?;
+    let file = reread(&report.model_file)?;
     let q = stage.balanced(JUDGED, &mut random);
-    let error = |file: Option<&ModelFile>| -> Result<f64, Failure> {
-        let model: Model = robot.model(stage.support, Snapping::default(), file)?;
-        let com = Evaluator::new(&model, Function::Com).run(&q.concat(), JUDGED);
-        let gaps = com.as_chunks::<3>().0.iter().zip(&q).map(|(com, q)| {
-            let truth = world.com(q);
-            (com[0] - truth.x).powi(2) + (com[1] - truth.y).powi(2)
-        });
-        Ok((gaps.sum::<f64>() / JUDGED as f64).sqrt())
-    };
+    let error = |file: Option<&ModelFile>| com_error(stage, &world, file, &q, 0..2);
     let ratio = error(Some(&file))? / error(None)?;
     let left = left_by_file(&report, &robot, stage.support, &log.as_path().into())?;
     let on_log = &report.diagnosis.model_on_log;

@@ -10,16 +10,13 @@
 //! effect moves the CoM. The model goes through the text of its file.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::{self, Request, Verdict};
-use sesc_identify::evaluate::Evaluator;
-use sesc_identify::robot::Robot;
-use sesc_model::{Function, Model, ModelFile, Snapping};
+use sesc_model::ModelFile;
 
-use super::Failure;
+use super::{Failure, com_error, reread, robot};
 use crate::hidden::hide_all;
 use crate::judge::{Answer, truth};
 use crate::trial::Trial;
@@ -63,48 +60,22 @@ impl Corrected {
 pub fn examine(trial: &Trial, folder: &Path) -> Result<Corrected, Failure> {
     let stage = &trial.stage;
     let log = trial.log.write(folder, &format!("trial_{}", trial.seed));
-    let robot = Arc::new(Robot::read(&stage.urdf)?);
-    let report = diagnose::diagnose(&Request::new(Arc::clone(&robot), log.as_path()), &mut ())?;
-    let text = toml::to_string(&report.model_file)?;
-    let file = ModelFile::parse(&text, "model.toml")?;
-    let model = |file| robot.model(stage.support, Snapping::default(), file);
-    let (cad, corrected) = (model(None)?, model(Some(&file))?);
-
+    let report = diagnose::diagnose(&Request::new(robot(stage)?, log.as_path()), &mut ())?;
+    let file = reread(&report.model_file)?;
     let mut random = ChaCha8Rng::seed_from_u64(!trial.seed);
     let q = stage.balanced(JUDGED, &mut random);
     let world = hide_all(stage.world(), &trial.hidden)?;
-    let true_com: Vec<[f64; 3]> = q.iter().map(|q| world.com(q).into()).collect();
-    let q = q.concat();
-    let error = |com: &[f64]| distance(com, &true_com);
-    let by_tape = |model: &Model| Evaluator::new(model, Function::Com).run(&q, JUDGED);
-
+    let error = |file: Option<&ModelFile>| com_error(stage, &world, file, &q, 0..3);
     let answer = Answer::read(&serde_json::to_value(&report.diagnosis)?)?;
     let hidden = truth(&trial.hidden);
     let explained = matches!(report.diagnosis.verdict, Verdict::Named | Verdict::Class);
-    let sizes = trial.hidden.iter().map(|hidden| {
-        let values: Vec<String> = hidden.values.iter().map(|v| format!("{v:.2e}")).collect();
-        format!("{}({})", hidden.label(), values.join(" "))
-    });
-    let sizes: Vec<String> = sizes.collect();
     let steps: Vec<&str> = answer.steps.iter().map(String::as_str).collect();
     Ok(Corrected {
-        log: format!(
-            "seed {} {:?} {}",
-            trial.seed,
-            stage.platform,
-            sizes.join(" + ")
-        ),
+        log: format!("seed {} {:?} {}", trial.seed, stage.platform, trial.sizes()),
         said: format!("{}: {}", answer.verdict, steps.join(" + ")),
         named: explained && answer.is(&hidden),
         listed: explained && answer.lists(&hidden),
-        before_m: error(&by_tape(&cad)),
-        after_m: error(&by_tape(&corrected)),
+        before_m: error(None)?,
+        after_m: error(Some(&file))?,
     })
-}
-
-/// RMS distance, m.
-fn distance(com: &[f64], truth: &[[f64; 3]]) -> f64 {
-    let gaps = com.as_chunks::<3>().0.iter().zip(truth);
-    let squares = gaps.map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>());
-    (squares.sum::<f64>() / truth.len() as f64).sqrt()
 }

@@ -13,17 +13,15 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::{self, Diagnosis};
 use sesc_identify::fit;
-use sesc_identify::predict;
-use sesc_identify::robot::{Robot, Stance};
+use sesc_identify::robot::Robot;
 use sesc_model::ModelFile;
 use sesc_reference::{Track, World};
 
 use super::bought::bought;
-use super::{Failure, log};
-use crate::recording::{Kind, Recording, draw};
+use super::{Failure, log, predicted, reread};
+use crate::recording::{Kind, Recording, draw, normal};
 use crate::stage::{Platform, Stage};
 
 /// How the robot moves.
@@ -100,10 +98,6 @@ const NOISE: (f64, f64) = (0.003, 0.5);
 /// Links whose masses the expert lets free.
 const HEAVIEST: usize = 4;
 
-fn gauss(random: &mut ChaCha8Rng) -> f64 {
-    StandardNormal.sample(random)
-}
-
 impl Kept {
     /// The robot as it is, and two recordings of it.
     ///
@@ -134,11 +128,8 @@ impl Kept {
         // A posture to begin with, and ways from it.
         let middle = stage.balanced(1, random).concat();
         let ways = [(); 3].map(|()| {
-            let step = middle
-                .iter()
-                .map(|_| 0.35 * gauss(random))
-                .collect::<Vec<f64>>();
-            self.within(stage, &middle, step)
+            let step = middle.iter().map(|_| 0.35 * normal(random));
+            self.within(stage, &middle, step.collect())
         });
         Ok([(); 2].map(|()| self.take(stage, &world, &middle, &ways, random)))
     }
@@ -193,15 +184,11 @@ impl Kept {
             };
             // Accelerations have no steps.
             let depth = far * (0.5 - 0.5 * (TAU * part).cos()).powi(2);
-            middle
-                .iter()
-                .zip(&own[way])
-                .map(|(q, by)| q + depth * by)
-                .collect()
+            let moved = middle.iter().zip(&own[way]);
+            moved.map(|(q, by)| q + depth * by).collect()
         };
-        let t: Vec<f64> = (0..(SECONDS * self.rate) as usize)
-            .map(|k| k as f64 / self.rate)
-            .collect();
+        let rows = 0..(SECONDS * self.rate) as usize;
+        let t: Vec<f64> = rows.map(|k| k as f64 / self.rate).collect();
         let track = Track::moving(t.clone(), at);
         let noise = [(); 2].map(|()| {
             let std = NOISE.0 * stage.size / 2.2;
@@ -241,12 +228,8 @@ impl Kept {
         let [first, judge] = recordings;
         let (robot, on) = (super::robot(stage)?, stage.support);
         let predicted = |recording: &Recording, file: Option<&ModelFile>| {
-            let mut stance = Stance::new(Arc::clone(&robot)).on(on);
-            if let Some(file) = file {
-                stance = stance.with_parameters(file.clone())?;
-            }
-            let request = predict::Request::new(stance, log(recording, true));
-            Ok::<_, Failure>(predict::predict(&request, &mut ())?.cop_m)
+            let found = predicted(&robot, on, log(recording, true), file);
+            found.map(|found| found.cop_m)
         };
         let left = |predicted: &[[f64; 2]]| {
             let gaps = judge.cop.iter().zip(predicted);
@@ -255,19 +238,16 @@ impl Kept {
         };
         let by_cad = [predicted(first, None)?, predicted(judge, None)?];
         let by_expert = expert(stage, recordings, &by_cad)?;
-        let written = |file: &ModelFile| -> Result<ModelFile, Failure> {
-            Ok(ModelFile::parse(&toml::to_string(file)?, "model.toml")?)
-        };
         let mut request = fit::Request::default();
         request.robot = Some(Arc::clone(&robot));
         request.logs = vec![log(first, true)];
         request.support = Some(on.into());
-        let fitted = written(&fit::fit(&request, &mut ())?.model_file)?;
+        let fitted = reread(&fit::fit(&request, &mut ())?.model_file)?;
         let mut request = diagnose::Request::new(Arc::<Robot>::clone(&robot), log(first, true));
         request.support = Some(on.into());
         request.prior = "cad".into();
         let found = diagnose::diagnose(&request, &mut ())?;
-        let diagnosed = written(&found.model_file)?;
+        let diagnosed = reread(&found.model_file)?;
         Ok(Said {
             cad: left(&by_cad[1]),
             expert: left(&by_expert),
@@ -309,11 +289,8 @@ fn expert(
         all
     };
     let x = columns(first);
-    let gap = first
-        .cop
-        .iter()
-        .zip(&by_cad[0])
-        .flat_map(|(y, p)| [y[0] - p[0], y[1] - p[1]]);
+    let gap = first.cop.iter().zip(&by_cad[0]);
+    let gap = gap.flat_map(|(y, p)| [y[0] - p[0], y[1] - p[1]]);
     let y = DVector::from_iterator(2 * first.q.len(), gap);
     let mut normal = x.tr_mul(&x);
     // Noise of 5 mm, of which rows a second apart are independent.
@@ -322,7 +299,6 @@ fn expert(
     let found = normal.cholesky().ok_or("no fit")?.solve(&x.tr_mul(&y));
     let by = columns(judge) * found;
     let rows = by_cad[1].iter().enumerate();
-    Ok(rows
-        .map(|(k, p)| [p[0] + by[2 * k], p[1] + by[2 * k + 1]])
-        .collect())
+    let rows = rows.map(|(k, p)| [p[0] + by[2 * k], p[1] + by[2 * k + 1]]);
+    Ok(rows.collect())
 }

@@ -10,11 +10,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use sesc_identify::diagnose::{self, Diagnosis, Report};
+use sesc_identify::evaluate::Evaluator;
 use sesc_identify::fit::{self, Identification};
-use sesc_identify::logs::{LogSource, Options, PostureReader, Table};
+use sesc_identify::logs::{LogSource, Options, PostureReader};
 use sesc_identify::predict;
 use sesc_identify::robot::{Robot, Stance};
-use sesc_model::ModelFile;
+use sesc_model::{Function, ModelFile, Snapping};
+use sesc_reference::World;
 
 use crate::recording::Recording;
 use crate::stage::Stage;
@@ -27,10 +29,56 @@ pub const OF_95: f64 = 1.959_964;
 
 /// A recording as a log in memory.
 pub fn log(recording: &Recording, timed: bool) -> LogSource {
-    let columns = recording.columns(timed).into_iter();
-    let table = Table::new("recording");
-    let table = columns.fold(table, |table, (name, values)| table.numbers(&name, values));
-    table.into()
+    recording.table(timed).into()
+}
+
+/// A model file, written and read again.
+///
+/// # Errors
+/// Of the file.
+pub fn reread(file: &ModelFile) -> Result<ModelFile, Failure> {
+    Ok(ModelFile::parse(&toml::to_string(file)?, "model.toml")?)
+}
+
+/// What `predict` says of a log, with a model file or with CAD's parameters.
+///
+/// # Errors
+/// Of the file or the log.
+pub fn predicted(
+    robot: &Arc<Robot>,
+    support: &str,
+    log: LogSource,
+    file: Option<&ModelFile>,
+) -> Result<predict::Predictions, Failure> {
+    let mut stance = Stance::new(Arc::clone(robot)).on(support);
+    if let Some(file) = file {
+        stance = stance.with_parameters(file.clone())?;
+    }
+    Ok(predict::predict(
+        &predict::Request::new(stance, log),
+        &mut (),
+    )?)
+}
+
+/// RMS distance of the CoMs of a model from those of the bent robot, over the directions `axes`, m.
+///
+/// # Errors
+/// Of the file.
+pub fn com_error(
+    stage: &Stage,
+    world: &World,
+    file: Option<&ModelFile>,
+    q: &[Vec<f64>],
+    axes: std::ops::Range<usize>,
+) -> Result<f64, Failure> {
+    let model = robot(stage)?.model(stage.support, Snapping::default(), file)?;
+    let com = Evaluator::new(&model, Function::Com).run(&q.concat(), q.len());
+    let gaps = com.as_chunks::<3>().0.iter().zip(q).map(|(com, q)| {
+        let truth = world.com(q);
+        let gaps = axes.clone().map(|axis| (com[axis] - truth[axis]).powi(2));
+        gaps.sum::<f64>()
+    });
+    Ok((gaps.sum::<f64>() / q.len() as f64).sqrt())
 }
 
 /// The robot of a stage, from its URDF.
@@ -98,11 +146,14 @@ pub fn left_by_file(
     support: &str,
     log: &LogSource,
 ) -> Result<f64, Failure> {
-    let file = ModelFile::parse(&toml::to_string(&report.model_file)?, "model.toml")?;
-    let stance = Stance::new(Arc::clone(robot)).on(support);
-    let dofs = stance.model()?.tree.dofs.clone();
-    let request = predict::Request::new(stance.with_parameters(file)?, log.clone());
-    let predicted = predict::predict(&request, &mut ())?.cop_m;
+    let file = reread(&report.model_file)?;
+    let dofs = Stance::new(Arc::clone(robot))
+        .on(support)
+        .model()?
+        .tree
+        .dofs
+        .clone();
+    let predicted = predicted(robot, support, log.clone(), Some(&file))?.cop_m;
     let block = PostureReader::open(log, &dofs, &Options::default())?.block(usize::MAX / 2)?;
     let read = block.reading.unwrap_or_default();
     let mut sums: BTreeMap<i64, ([f64; 2], f64)> = BTreeMap::new();
