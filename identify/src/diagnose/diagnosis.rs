@@ -8,7 +8,7 @@ use sesc_model::effects::Unit;
 
 use super::findings::{
     About, ActsOn, Blind, Diagnosis, Explained, HeldOut, Last, Leftover, Member, ModelOnLog,
-    NextPostures, Quantity, Score, Step, Verdict,
+    NextPostures, Quantity, Score, Step, Suspect, Verdict,
 };
 use super::hypothesis::Term;
 use super::leftover::{Misfit, closure_found, is_open, suspects};
@@ -63,6 +63,8 @@ pub(super) fn find<'m>(
     }
     let mut best = ranked[0].clone();
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
+    let in_all = |term: &&Term| ranked.iter().all(|fit| fit.terms.contains(term));
+    let common: Vec<Term> = best.terms.iter().filter(in_all).cloned().collect();
     let mut class = class(&best, ranked);
     let whole = Arc::clone(&search.problem);
     let problem = &*whole;
@@ -76,7 +78,18 @@ pub(super) fn find<'m>(
     let untold = problem.first().why_untold(about.sole);
     let untold = untold.filter(|_| about.usable && best.terms.is_empty() && !soles);
     let unexplained = untold.is_none() && (no_known || crowd || implausible.is_some());
+    let mut doubtful = Vec::new();
     if unexplained {
+        // A robot is corrected by what every explanation near the best has; the rest is a guess.
+        let certain: Vec<Term>;
+        (certain, doubtful) = best
+            .terms
+            .iter()
+            .cloned()
+            .partition(|term| common.contains(term));
+        if !doubtful.is_empty() {
+            best = search.fit(&certain, Some(&best));
+        }
         class = vec![best.clone()];
     }
     let baseline = held_out::of_cad(problem);
@@ -193,7 +206,15 @@ pub(super) fn find<'m>(
         class: members,
         absorbed_by_masses: absorbed,
         unexplained,
-        suspects: suspects.iter().map(|(own, _)| own.clone()).collect(),
+        suspects: {
+            let label = |term: &Term| Suspect::Effect(term.label(problem.context()));
+            let doubtful = doubtful.iter().map(label);
+            suspects
+                .iter()
+                .map(|(own, _)| own.clone())
+                .chain(doubtful)
+                .collect()
+        },
         implausible,
         model_on_log: ModelOnLog::default(),
         leftover: Leftover {

@@ -281,7 +281,7 @@ pub struct Leftover {
     pub suspect_share: f64,
 }
 
-/// A quantity that an unexplained gap goes with.
+/// What an unexplained gap may have to do with.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(into = "String")]
@@ -293,6 +293,8 @@ pub enum Suspect {
     Moment(String),
     /// Place in the log.
     Place,
+    /// An effect with its target, in the place of which others explain as much.
+    Effect(String),
 }
 
 impl fmt::Display for Suspect {
@@ -301,6 +303,7 @@ impl fmt::Display for Suspect {
             Suspect::Position(joint) => write!(f, "position of {joint}"),
             Suspect::Moment(joint) => write!(f, "gravity moment of {joint}"),
             Suspect::Place => f.write_str("place in the log"),
+            Suspect::Effect(label) => f.write_str(label),
         }
     }
 }
@@ -408,7 +411,8 @@ pub struct Diagnosis {
     pub absorbed_by_masses: f64,
     /// Whether known effects leave too much.
     pub unexplained: bool,
-    /// What an unexplained gap goes with; the likeliest first, not in the model file.
+    /// What an unexplained gap goes with, the likeliest first, then effects that not every
+    /// explanation near the best has; not in the model file.
     pub suspects: Vec<Suspect>,
     /// Why the best explanation is impossible.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -478,15 +482,15 @@ impl Diagnosis {
     /// What to check on the robot where nothing known explains the log, by what is left over.
     fn checks(&self) -> Vec<NextStep> {
         let open = self.closure.as_ref().filter(|closure| !closure.closes);
-        let followed = self.suspects.first().map(|suspect| match suspect {
-            Suspect::Place => NextStep::CheckRecording,
-            Suspect::Position(joint) => NextStep::CheckJoint {
-                joint: joint.clone(),
-            },
-            Suspect::Moment(joint) => NextStep::CheckLoad {
-                joint: joint.clone(),
-            },
-        });
+        let followed = self
+            .suspects
+            .iter()
+            .find_map(|suspect| match suspect.clone() {
+                Suspect::Place => Some(NextStep::CheckRecording),
+                Suspect::Position(joint) => Some(NextStep::CheckJoint { joint }),
+                Suspect::Moment(joint) => Some(NextStep::CheckLoad { joint }),
+                Suspect::Effect(_) => None,
+            });
         let always = [
             NextStep::CheckContact,
             NextStep::CheckLengths,

@@ -3,7 +3,7 @@
 use sesc_model::text::listed;
 
 use super::criteria;
-use super::findings::{Diagnosis, Explained, Verdict};
+use super::findings::{Diagnosis, Explained, Suspect, Verdict};
 use super::model_file::com_sentence;
 use super::problem::{Problem, Untold};
 use super::words::{self, capital};
@@ -117,7 +117,12 @@ pub(super) fn state(problem: &Problem, found: &mut Explained) {
             parts.extend(d.implausible.clone());
             let open = d.closure.as_ref().is_some_and(|closure| !closure.closes);
             let of_cop = d.leftover.chi2 > criteria::LEFTOVER_RATIO * d.leftover.expected;
-            parts.push(match found.best.terms.len() {
+            let guessed = d
+                .suspects
+                .iter()
+                .filter(|own| matches!(own, Suspect::Effect(_)));
+            let guessed: Vec<String> = guessed.map(ToString::to_string).collect();
+            parts.push(match found.best.terms.len() + guessed.len() {
                 _ if open && !of_cop => {
                     "No known effect explains how the soles lie on the floor.".to_string()
                 }
@@ -143,7 +148,15 @@ pub(super) fn state(problem: &Problem, found: &mut Explained) {
                     capital(&clauses.join(", and "))
                 ));
             }
-            if let Some(suspect) = d.suspects.first() {
+            if !guessed.is_empty() {
+                parts.push(format!(
+                    "Other effects explain as much as {}: not in the model.",
+                    listed(guessed, NAMED)
+                ));
+            }
+            if d.leftover.suspect_share > 0.0
+                && let Some(suspect) = d.suspects.first()
+            {
                 parts.push(format!(
                     "The rest goes most with the {suspect} ({:.0} % of it).",
                     100.0 * d.leftover.suspect_share
