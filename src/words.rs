@@ -3,7 +3,7 @@
 use sesc_identify::Setting;
 
 /// The option of a setting, with its value where it takes one that is not a number.
-pub fn option(setting: Setting) -> String {
+pub(crate) fn option(setting: Setting) -> String {
     let option = match setting {
         Setting::Angles => "--degrees",
         Setting::Columns => "put this line into the log's sidecar: columns =",

@@ -55,7 +55,7 @@ pub(crate) fn beyond<'r>(
 /// Every variant of `functions` that can be had of `model`, those with constant parameters last.
 /// [`Function::CorrectCop`] comes along: without it a fit would take readings for what they are
 /// made of.
-pub fn routines(model: &Model, functions: &[Function]) -> Vec<Routine> {
+pub(crate) fn routines(model: &Model, functions: &[Function]) -> Vec<Routine> {
     let routine = |function, given, baked, program: Option<Program>| {
         program.map(|program| Routine {
             function,

@@ -16,11 +16,11 @@ use crate::routines::Routine;
 /// A bound of the ZMP beyond this, m, is of no use to anyone.
 const USEFUL_M: f64 = 1e-3;
 /// Postures that are tried.
-pub const POSTURES: usize = 1000;
+pub(crate) const POSTURES: usize = 1000;
 
 /// The largest error of `routine` in f32 on random postures, with the parameters of CAD; none
 /// where `bound`, which is proven, is of use.
-pub fn largest(facts: &Facts, routine: &Routine, bound: f64) -> Option<f64> {
+pub(crate) fn largest(facts: &Facts, routine: &Routine, bound: f64) -> Option<f64> {
     if routine.function != Function::Zmp || bound <= USEFUL_M {
         return None;
     }

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 /// Two skewed joints on a foot: every mass and every effect moves both axes, and flat CoP sees six
 /// directions, two per posture.
-pub const SKEW: &str = "<robot name='skew'>\
+pub(crate) const SKEW: &str = "<robot name='skew'>\
     <link name='foot'><inertial><origin xyz='0.01 0.02 0.05'/><mass value='2'/></inertial></link>\
     <joint name='hip' type='revolute'><parent link='foot'/><child link='thigh'/>\
     <origin xyz='0 0 0.1'/><axis xyz='0.3 0.8 0.2'/><limit lower='-0.6' upper='0.6'/></joint>\
@@ -15,7 +15,7 @@ pub const SKEW: &str = "<robot name='skew'>\
     </robot>";
 
 /// Uniform numbers of deviation `std` about zero, the same every time.
-pub fn noise(std: f64) -> impl FnMut() -> f64 {
+pub(crate) fn noise(std: f64) -> impl FnMut() -> f64 {
     let mut state = 1_u64;
     move || {
         state = state
@@ -27,7 +27,7 @@ pub fn noise(std: f64) -> impl FnMut() -> f64 {
 
 /// Asserts that a text holds all of these words.
 #[track_caller]
-pub fn says(text: impl Display, words: &[&str]) {
+pub(crate) fn says(text: impl Display, words: &[&str]) {
     let text = text.to_string();
     for word in words {
         assert!(text.contains(word), "`{word}` is not in: {text}");

@@ -52,7 +52,7 @@ pub(crate) struct Recorder<'w> {
 }
 
 impl<'w> Recorder<'w> {
-    pub fn new(watch: &'w mut dyn Watch) -> Recorder<'w> {
+    pub(crate) fn new(watch: &'w mut dyn Watch) -> Recorder<'w> {
         let warnings = Vec::new();
         Recorder { watch, warnings }
     }

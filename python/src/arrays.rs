@@ -18,7 +18,7 @@ use crate::errors::{Doing, Failure};
 
 /// What the last axis of an argument is.
 #[derive(Clone, Copy)]
-pub enum Axis<'a> {
+pub(crate) enum Axis<'a> {
     /// The joints of a model.
     Joints(&'a [String]),
     /// x and y of a reading of the CoP.
@@ -27,7 +27,7 @@ pub enum Axis<'a> {
 
 impl<'a> Axis<'a> {
     /// The columns of a table that it is.
-    pub fn names(self) -> &'a [String] {
+    pub(crate) fn names(self) -> &'a [String] {
         match self {
             Axis::Joints(names) => names,
             Axis::Reading(names) => names,
@@ -54,7 +54,7 @@ fn convert<'py>(
 }
 
 /// Numbers that are given (joint positions, velocities, readings).
-pub enum Numbers<'py> {
+pub(crate) enum Numbers<'py> {
     /// The numbers of one posture, copied: that costs less than the books that are kept of who
     /// reads an array.
     Copied(Bound<'py, PyArrayDyn<f64>>, Vec<f64>),
@@ -64,7 +64,7 @@ pub enum Numbers<'py> {
 
 impl Numbers<'_> {
     /// The shape that numpy says.
-    pub fn shape(&self) -> &[usize] {
+    pub(crate) fn shape(&self) -> &[usize] {
         match self {
             Numbers::Copied(array, _) => array.shape(),
             Numbers::Borrowed(array) => array.shape(),
@@ -72,7 +72,7 @@ impl Numbers<'_> {
     }
 
     /// The numbers, row by row.
-    pub fn values(&self) -> PyResult<&[f64]> {
+    pub(crate) fn values(&self) -> PyResult<&[f64]> {
         match self {
             Numbers::Copied(_, values) => Ok(values),
             Numbers::Borrowed(array) => Ok(array.as_slice()?),
@@ -82,7 +82,7 @@ impl Numbers<'_> {
 
 /// What is given, checked: the last axis is `axis`. Beside a result in an array of the caller's,
 /// nothing `is_new`, and even one posture is borrowed: the two may share memory.
-pub fn numbers<'py>(
+pub(crate) fn numbers<'py>(
     given: &Bound<'py, PyAny>,
     axis: Axis<'_>,
     name: &str,
@@ -115,7 +115,7 @@ fn refused(py: Python<'_>, message: impl Into<String>) -> PyErr {
 }
 
 /// An array for results.
-pub enum Target<'py> {
+pub(crate) enum Target<'py> {
     /// Just made: nobody else has it yet.
     New(Bound<'py, PyArrayDyn<f64>>),
     /// The caller's.
@@ -124,7 +124,7 @@ pub enum Target<'py> {
 
 impl<'py> Target<'py> {
     /// The caller's array, or a new one.
-    pub fn of(
+    pub(crate) fn of(
         py: Python<'py>,
         out: Option<&Bound<'py, PyAny>>,
         shape: &[usize],
@@ -164,7 +164,7 @@ impl<'py> Target<'py> {
 
     /// Its values, row by row.
     #[allow(unsafe_code)]
-    pub fn values(&mut self) -> PyResult<&mut [f64]> {
+    pub(crate) fn values(&mut self) -> PyResult<&mut [f64]> {
         match self {
             Target::New(array) => {
                 // SAFETY: the array was made by this call, has memory of its own, and has been
@@ -177,7 +177,7 @@ impl<'py> Target<'py> {
     }
 
     /// The array, for the caller.
-    pub fn array(self) -> Bound<'py, PyArrayDyn<f64>> {
+    pub(crate) fn array(self) -> Bound<'py, PyArrayDyn<f64>> {
         match self {
             Target::New(array) => array,
             Target::Given(array) => (**array).clone(),

@@ -53,7 +53,7 @@ impl Unusable {
 
 /// Columns of an Arrow stream, by name.
 #[pyfunction]
-pub fn arrow_columns<'py>(
+pub(crate) fn arrow_columns<'py>(
     py: Python<'py>,
     capsule: &Bound<'py, PyCapsule>,
 ) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {

@@ -21,7 +21,7 @@ const CHUNK: usize = 1_000_000;
 const TURNS: usize = 8;
 
 /// How many threads share a batch out.
-pub struct Count(pub i64);
+pub(crate) struct Count(pub i64);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Count {
     type Error = PyErr;
@@ -38,7 +38,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Count {
 }
 
 /// A batch, and how it is shared out.
-pub struct Batch {
+pub(crate) struct Batch {
     pub postures: usize,
     /// Values per posture of the result.
     pub width: usize,
@@ -49,7 +49,7 @@ pub struct Batch {
 
 impl Batch {
     /// `run(start, n, out)` evaluates n postures from `start` on.
-    pub fn run(
+    pub(crate) fn run(
         &self,
         py: Python<'_>,
         out: &mut [f64],

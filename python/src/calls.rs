@@ -15,7 +15,7 @@ use sesc_identify::{Message, Progress, Watch};
 use crate::errors::{Failure, keyword};
 
 /// How often signals are looked for, and progress is shown.
-pub const EVERY: Duration = Duration::from_millis(50);
+pub(crate) const EVERY: Duration = Duration::from_millis(50);
 
 thread_local! {
     /// What the last panic of this thread said, and where it was.
@@ -24,7 +24,7 @@ thread_local! {
 
 /// A panic of this module becomes an exception and says nothing on stderr. The hook is that
 /// of this shared library alone.
-pub fn keep_panics_to_ourselves() {
+pub(crate) fn keep_panics_to_ourselves() {
     std::panic::set_hook(Box::new(|about| {
         let said = about.to_string();
         LAST.with(|last| *last.borrow_mut() = Some(said));
@@ -40,7 +40,7 @@ fn internal(_: Box<dyn Any + Send>) -> Failure {
 }
 
 /// Run something short; a panic becomes an exception.
-pub fn guarded<T>(py: Python<'_>, call: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
+pub(crate) fn guarded<T>(py: Python<'_>, call: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
     match catch_unwind(AssertUnwindSafe(call)) {
         Ok(result) => result,
         Err(panic) => Err(internal(panic).raise(py)),
@@ -48,7 +48,7 @@ pub fn guarded<T>(py: Python<'_>, call: impl FnOnce() -> PyResult<T>) -> PyResul
 }
 
 /// Run something long without the interpreter's lock.
-pub fn detached<T: Send>(
+pub(crate) fn detached<T: Send>(
     py: Python<'_>,
     call: impl FnOnce() -> Result<T, Failure> + Send,
 ) -> PyResult<T> {
@@ -56,17 +56,17 @@ pub fn detached<T: Send>(
 }
 
 /// When a call that works in the thread of its caller last looked for signals.
-pub struct Signals(Instant);
+pub(crate) struct Signals(Instant);
 
 impl Signals {
     /// From now on.
-    pub fn new() -> Signals {
+    pub(crate) fn new() -> Signals {
         Signals(Instant::now())
     }
 
     /// The exception of a signal, such as Ctrl-C; looks every [`EVERY`] at most, and takes the
     /// interpreter's lock for that.
-    pub fn look(&mut self) -> PyResult<()> {
+    pub(crate) fn look(&mut self) -> PyResult<()> {
         if self.0.elapsed() < EVERY {
             return Ok(());
         }
@@ -83,7 +83,7 @@ struct Shared {
 }
 
 /// Who watches a long call, in its own thread.
-pub struct Waiting {
+pub(crate) struct Waiting {
     shared: Arc<Shared>,
     /// Sentences about the input.
     pub warnings: Vec<String>,
@@ -107,7 +107,7 @@ impl Watch for Waiting {
 
 /// What becomes of a call that is stopped.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Stopped {
+pub(crate) enum Stopped {
     /// It ends by itself, some time later, and nobody waits: it writes nothing.
     Abandoned,
     /// It has to end first: it takes its unfinished files away.
@@ -116,7 +116,7 @@ pub enum Stopped {
 
 /// Run a long call in a thread of its own and look for signals meanwhile. `show` is told what is
 /// done, how much, and of how much; an exception of it stops the call, as Ctrl-C does.
-pub fn watched<T: Send + 'static>(
+pub(crate) fn watched<T: Send + 'static>(
     py: Python<'_>,
     show: Option<Py<PyAny>>,
     stopped: Stopped,
@@ -134,7 +134,7 @@ pub fn watched<T: Send + 'static>(
 
 /// As [`watched`], in a thread that gets no signals: `check` is called every [`EVERY`], and an
 /// exception of it stops the call.
-pub fn checked<T: Send + 'static>(
+pub(crate) fn checked<T: Send + 'static>(
     py: Python<'_>,
     check: Option<Py<PyAny>>,
     call: impl FnOnce(&mut Waiting) -> Result<T, Failure> + Send + 'static,
@@ -201,7 +201,7 @@ fn run_in_thread<T: Send + 'static>(
 /// `watched`): builds for tests have it, releases do not.
 #[cfg(debug_assertions)]
 #[pyfunction]
-pub fn _panic(py: Python<'_>, way: String) -> PyResult<()> {
+pub(crate) fn _panic(py: Python<'_>, way: String) -> PyResult<()> {
     fn beyond_the_end(way: &str) -> usize {
         [1, 2, 3][way.len()]
     }

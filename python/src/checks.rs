@@ -20,7 +20,7 @@ use crate::steps;
 /// What `sesc verify --json` prints of the functions of a model, and the unit of each.
 #[pyfunction]
 #[pyo3(signature = (robot, model, samples, seed, show=None))]
-pub fn verify_model(
+pub(crate) fn verify_model(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     model: PyRef<'_, Model>,
@@ -50,7 +50,7 @@ type Given = (Option<String>, PathBuf, String);
 /// drawn where it is known.
 #[pyfunction]
 #[pyo3(signature = (before, after, robot=None))]
-pub fn compare_models(
+pub(crate) fn compare_models(
     py: Python<'_>,
     before: Given,
     after: Given,
@@ -101,6 +101,6 @@ pub fn compare_models(
 
 /// The effects that a diagnosis knows, as JSON.
 #[pyfunction]
-pub fn effects_about(py: Python<'_>) -> PyResult<String> {
+pub(crate) fn effects_about(py: Python<'_>) -> PyResult<String> {
     detached(py, || compact(&about(&Catalog::standard())))
 }

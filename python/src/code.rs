@@ -17,7 +17,7 @@ use crate::options::{named, taken};
 /// Keywords of C code, all of them given.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct COptions {
+pub(crate) struct COptions {
     scalar: Option<String>,
     name: Option<String>,
     layout: String,
@@ -30,7 +30,7 @@ pub struct COptions {
 
 /// Write C99 to a folder; gives the files.
 #[pyfunction]
-pub fn c_files(
+pub(crate) fn c_files(
     py: Python<'_>,
     model: PyRef<'_, Model>,
     folder: PathBuf,
@@ -74,7 +74,7 @@ pub fn c_files(
 
 /// Write a Rust module to a folder; gives the file.
 #[pyfunction]
-pub fn rust_files(
+pub(crate) fn rust_files(
     py: Python<'_>,
     model: PyRef<'_, Model>,
     folder: PathBuf,
@@ -100,12 +100,12 @@ fn write(folder: &Path, sources: Sources) -> Result<Vec<PathBuf>, Failure> {
 
 /// Write a text, whole or not at all.
 #[pyfunction]
-pub fn write_text(py: Python<'_>, path: PathBuf, text: &str) -> PyResult<()> {
+pub(crate) fn write_text(py: Python<'_>, path: PathBuf, text: &str) -> PyResult<()> {
     detached(py, || files::write(&path, text).during(Doing::Sesc))
 }
 
 /// Write a part's bytes, whole or not at all.
 #[pyfunction]
-pub fn write_bytes(py: Python<'_>, path: PathBuf, data: &[u8]) -> PyResult<()> {
+pub(crate) fn write_bytes(py: Python<'_>, path: PathBuf, data: &[u8]) -> PyResult<()> {
     detached(py, || files::write(&path, data).during(Doing::Sesc))
 }

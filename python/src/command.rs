@@ -8,6 +8,6 @@ use crate::calls::detached;
 
 /// Run the command line of these words, in a process that does nothing else.
 #[pyfunction]
-pub fn command(py: Python<'_>, words: Vec<OsString>) -> PyResult<u8> {
+pub(crate) fn command(py: Python<'_>, words: Vec<OsString>) -> PyResult<u8> {
     detached(py, || Ok(sesc::cli::main_from(words)))
 }

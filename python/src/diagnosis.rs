@@ -22,7 +22,7 @@ use crate::steps;
 /// Keywords of a diagnosis, all of them given.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct DiagnoseOptions {
+pub(crate) struct DiagnoseOptions {
     support: Option<String>,
     degrees: Option<bool>,
     prior: String,
@@ -40,7 +40,7 @@ type Next = (String, &'static str, Py<PyArray2<f64>>, Py<PyArray1<i64>>);
 
 /// What a diagnosis found, and all that files are made of.
 #[derive(IntoPyObject)]
-pub struct Diagnosed {
+pub(crate) struct Diagnosed {
     /// What `sesc diagnose --json` prints.
     json: String,
     /// What `sesc diagnose` prints.
@@ -61,7 +61,7 @@ pub struct Diagnosed {
 /// Find where simulation and measurement disagree, and name what is missing.
 #[pyfunction]
 #[pyo3(signature = (robot, log, then, healthy, options, show=None))]
-pub fn diagnose_log(
+pub(crate) fn diagnose_log(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     log: PyRef<'_, Log>,
@@ -135,7 +135,7 @@ pub fn diagnose_log(
 /// The URDF of `robot` with the parameters and effects of a model file, and what it leaves out.
 #[pyfunction]
 #[pyo3(signature = (robot, model_file, prior, total_mass=None))]
-pub fn correct_urdf(
+pub(crate) fn correct_urdf(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     model_file: String,

@@ -10,7 +10,7 @@ use crate::robot::Robot;
 
 /// The robot with all joints at zero, from the front and from its right, as SVG.
 #[pyfunction]
-pub fn draw_robot(
+pub(crate) fn draw_robot(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     model: PyRef<'_, Model>,
@@ -30,7 +30,7 @@ pub fn draw_robot(
 
 /// A small picture of each posture, as SVG.
 #[pyfunction]
-pub fn draw_postures(
+pub(crate) fn draw_postures(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     model: PyRef<'_, Model>,

@@ -34,7 +34,7 @@ pub enum Doing {
 }
 
 /// Results of the libraries whose errors become exceptions.
-pub trait During<T> {
+pub(crate) trait During<T> {
     /// The result of a call that was `doing` something.
     fn during(self, doing: Doing) -> Result<T, Failure>;
 }
@@ -190,7 +190,7 @@ fn system_of(error: &Error) -> Option<i32> {
 const NO_SUCH_FILE: i32 = 2;
 
 /// What Python's users call a setting.
-pub fn keyword(setting: Setting) -> String {
+pub(crate) fn keyword(setting: Setting) -> String {
     match setting {
         Setting::Angles => "`angles=\"deg\"`".to_string(),
         Setting::Columns => "give `columns=` these pairs:".to_string(),

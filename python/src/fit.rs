@@ -28,7 +28,7 @@ pub struct FitReport {
 
 /// What a fit found, and all that files are made of but what takes long.
 #[derive(IntoPyObject)]
-pub struct Fitted<'py> {
+pub(crate) struct Fitted<'py> {
     /// What `sesc fit --json` prints.
     json: String,
     /// What `sesc fit` prints.
@@ -46,7 +46,7 @@ pub struct Fitted<'py> {
 /// Identify the parameters of a robot from logs and parts of logs.
 #[pyfunction]
 #[pyo3(signature = (robot, logs, parts, options, show=None))]
-pub fn fit_logs(
+pub(crate) fn fit_logs(
     py: Python<'_>,
     robot: Option<PyRef<'_, Robot>>,
     logs: Vec<PyRef<'_, Log>>,
@@ -158,7 +158,7 @@ impl FitReport {
 /// The corrected URDF of a fit that travelled: of its parameters and [`FitReport::masses`].
 #[pyfunction]
 #[pyo3(signature = (robot, support, params, masses, prior, total_mass=None))]
-pub fn correct_fit(
+pub(crate) fn correct_fit(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     support: String,

@@ -39,7 +39,7 @@ fn read(json: &str) -> Result<Options, Failure> {
 /// The groups of patterns, folders, lists and manifests, and of a table of paths with what is
 /// said of each.
 #[pyfunction]
-pub fn fleet_groups(
+pub(crate) fn fleet_groups(
     py: Python<'_>,
     data: Vec<String>,
     table: Vec<(PathBuf, BTreeMap<String, String>)>,
@@ -58,7 +58,7 @@ pub fn fleet_groups(
 /// What one group comes to; an exception of `check`, which is called every 50 ms, stops it.
 #[pyfunction]
 #[pyo3(signature = (robot, options, group, store=None, check=None))]
-pub fn fleet_work(
+pub(crate) fn fleet_work(
     py: Python<'_>,
     robot: PyRef<'_, Robot>,
     options: String,

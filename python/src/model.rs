@@ -480,11 +480,11 @@ impl Model {
 }
 
 /// A result as the command line prints it.
-pub fn json(value: &impl Serialize) -> Result<String, Failure> {
+pub(crate) fn json(value: &impl Serialize) -> Result<String, Failure> {
     sesc::cli::json(value).map_err(Failure::internal)
 }
 
 /// A value as JSON on one line, for the package itself.
-pub fn compact(value: &impl Serialize) -> Result<String, Failure> {
+pub(crate) fn compact(value: &impl Serialize) -> Result<String, Failure> {
     serde_json::to_string(value).map_err(Failure::internal)
 }

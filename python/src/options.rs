@@ -16,7 +16,7 @@ use crate::robot::Robot;
 
 /// The keywords of a call. What cannot be taken is said by the keyword's name: a number that is out
 /// of range as any other fault of what is asked for, a value of another type as an `ArgumentTypeError`.
-pub fn taken<'a, 'py, T>(given: &'a Bound<'py, PyAny>, doing: Doing) -> PyResult<T>
+pub(crate) fn taken<'a, 'py, T>(given: &'a Bound<'py, PyAny>, doing: Doing) -> PyResult<T>
 where
     T: FromPyObject<'a, 'py>,
 {
@@ -55,7 +55,7 @@ where
 }
 
 /// What the name that a keyword is `given` stands for, of those that are `known`.
-pub fn named<T: Copy>(
+pub(crate) fn named<T: Copy>(
     keyword: &str,
     given: &str,
     known: &Words<T>,
@@ -71,13 +71,13 @@ pub fn named<T: Copy>(
 }
 
 /// A value in SI units that can be meant.
-pub fn sized(name: &str, value: f64, doing: Doing) -> Result<(), Failure> {
+pub(crate) fn sized(name: &str, value: f64, doing: Doing) -> Result<(), Failure> {
     let wrong = |wrong| Failure::plain(doing, format!("`{name}` {value:?}: {wrong}"));
     values::check(name, value).map_err(wrong)
 }
 
 /// What a corrected robot may weigh, kg.
-pub fn weighed(
+pub(crate) fn weighed(
     total_mass: Option<f64>,
     robot: &sesc_identify::robot::Robot,
 ) -> Result<(), Failure> {
@@ -91,7 +91,7 @@ pub fn weighed(
 /// Keywords of a fit, all of them given.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct FitOptions {
+pub(crate) struct FitOptions {
     support: Option<String>,
     degrees: Option<bool>,
     prior: String,
@@ -109,7 +109,7 @@ pub struct FitOptions {
 
 impl FitOptions {
     /// The request of a fit of these logs and parts.
-    pub fn request(
+    pub(crate) fn request(
         self,
         robot: Option<&Robot>,
         logs: &[PyRef<'_, Log>],
@@ -144,12 +144,12 @@ impl FitOptions {
 }
 
 /// The unit of revolute joints.
-pub fn angles(degrees: bool) -> Angles {
+pub(crate) fn angles(degrees: bool) -> Angles {
     if degrees { Angles::Deg } else { Angles::Rad }
 }
 
 /// Whether the motion of the joints counts where a log knows it.
-pub fn motion(counts: bool) -> MotionModel {
+pub(crate) fn motion(counts: bool) -> MotionModel {
     match counts {
         true => MotionModel::Auto,
         false => MotionModel::Off,
@@ -157,7 +157,7 @@ pub fn motion(counts: bool) -> MotionModel {
 }
 
 /// Stays of at least so many seconds alone, or all rows, where that is asked for.
-pub fn stays(settle: Option<f64>) -> Result<Stays, Failure> {
+pub(crate) fn stays(settle: Option<f64>) -> Result<Stays, Failure> {
     let Some(seconds) = settle else {
         return Ok(Stays::default());
     };

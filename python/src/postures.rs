@@ -25,7 +25,7 @@ use crate::steps;
 /// Keywords of a plan, all of them given.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct PlanOptions {
+pub(crate) struct PlanOptions {
     poses: usize,
     cop_box: Option<f64>,
     sole: Option<String>,
@@ -46,7 +46,7 @@ pub struct PlanOptions {
 
 /// What `sesc plan` prints as JSON and as text, and its page.
 #[derive(IntoPyObject)]
-pub struct Planned {
+pub(crate) struct Planned {
     json: String,
     text: String,
     page: String,
@@ -59,7 +59,7 @@ type Rows<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray2<f64>>);
 /// of them.
 #[pyfunction]
 #[pyo3(signature = (robot, model, data, options, show=None))]
-pub fn plan_postures<'py>(
+pub(crate) fn plan_postures<'py>(
     py: Python<'py>,
     robot: PyRef<'_, Robot>,
     model: PyRef<'_, Model>,
@@ -128,7 +128,7 @@ pub fn plan_postures<'py>(
 /// log with a sidecar, whose path is given back.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
-pub fn write_postures(
+pub(crate) fn write_postures(
     py: Python<'_>,
     model: PyRef<'_, Model>,
     q: PyReadonlyArray2<'_, f64>,
@@ -166,7 +166,7 @@ pub fn write_postures(
 /// Keywords of a simulation, all of them given.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct SimulateOptions<'py> {
+pub(crate) struct SimulateOptions<'py> {
     poses: usize,
     postures: Option<PyReadonlyArray2<'py, f64>>,
     numbers: Option<Vec<i64>>,
@@ -181,7 +181,7 @@ pub struct SimulateOptions<'py> {
 /// A posture log of an ideal robot, with CoP noise.
 #[pyfunction]
 #[pyo3(signature = (model, options, show=None))]
-pub fn simulate_log(
+pub(crate) fn simulate_log(
     py: Python<'_>,
     model: PyRef<'_, Model>,
     options: &Bound<'_, PyAny>,
@@ -210,7 +210,7 @@ pub fn simulate_log(
 #[pyfunction]
 #[pyo3(signature = (robot, support, model, log, degrees=None, moves=true, show=None))]
 #[allow(clippy::type_complexity, clippy::too_many_arguments)]
-pub fn predict_log<'py>(
+pub(crate) fn predict_log<'py>(
     py: Python<'py>,
     robot: PyRef<'_, Robot>,
     support: Option<String>,

@@ -22,15 +22,15 @@ const FUNCTIONS: [Function; 11] = [
 ];
 
 /// Columns of a reading of the CoP.
-pub const READING: [&str; 2] = ["cop_x", "cop_y"];
+pub(crate) const READING: [&str; 2] = ["cop_x", "cop_y"];
 
 /// The functions of one model.
 #[derive(Default)]
-pub struct Functions([OnceLock<Prepared>; FUNCTIONS.len()]);
+pub(crate) struct Functions([OnceLock<Prepared>; FUNCTIONS.len()]);
 
 impl Functions {
     /// `function` of `model`, the same in every call.
-    pub fn get(&self, py: Python<'_>, model: &Model, function: Function) -> &Prepared {
+    pub(crate) fn get(&self, py: Python<'_>, model: &Model, function: Function) -> &Prepared {
         let place = FUNCTIONS.iter().position(|known| *known == function);
         let prepared = &self.0[place.unwrap_or_default()];
         match prepared.get() {
@@ -42,7 +42,7 @@ impl Functions {
 }
 
 /// A function that is ready to be called.
-pub struct Prepared {
+pub(crate) struct Prepared {
     /// None where the model does not have it.
     pub evaluator: Option<Evaluator>,
     /// Shape of the result of one posture.

@@ -4,7 +4,7 @@ use sesc::report::next_steps::{self, Worded};
 use sesc_identify::NextStep;
 
 /// Steps in words, with their calls; `model` is how a call names a model file.
-pub fn worded<'s>(
+pub(crate) fn worded<'s>(
     steps: impl IntoIterator<Item = &'s NextStep>,
     model: impl Fn(&str) -> String,
 ) -> Vec<Worded> {
@@ -12,7 +12,7 @@ pub fn worded<'s>(
 }
 
 /// A text as Python writes it.
-pub fn text(value: &str) -> String {
+pub(crate) fn text(value: &str) -> String {
     let escaped = value.replace('\\', "\\\\").replace('"', "\\\"");
     format!("\"{escaped}\"")
 }

@@ -46,7 +46,7 @@ impl Carried {
 }
 
 impl<'r> Nearby<'r> {
-    pub fn new(reference: &'r Reference, q: &[f64]) -> Nearby<'r> {
+    pub(crate) fn new(reference: &'r Reference, q: &[f64]) -> Nearby<'r> {
         let robot = &reference.robot;
         let poses = robot.poses_in_root(q);
         let links = robot.links().iter().zip(&poses);
@@ -76,7 +76,11 @@ impl<'r> Nearby<'r> {
     }
 
     /// The CoM in the support frame with entry `dof` of the posture at each of `positions`, m.
-    pub fn com<const N: usize>(&mut self, dof: usize, positions: [f64; N]) -> [Vector3<f64>; N] {
+    pub(crate) fn com<const N: usize>(
+        &mut self,
+        dof: usize,
+        positions: [f64; N],
+    ) -> [Vector3<f64>; N] {
         let robot = &self.reference.robot;
         let coordinates = robot.coordinates();
         let joints = robot.joints_from_root().iter().copied();

@@ -142,7 +142,7 @@ pub(crate) mod sealed {
     use crate::real::Real;
 
     /// Rows side by side: three, and a lane to spare.
-    pub const ROWS: usize = 4;
+    pub(crate) const ROWS: usize = 4;
 
     /// Registers of one set, and how they meet memory.
     pub trait Machine<S: Scalar> {

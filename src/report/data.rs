@@ -18,13 +18,13 @@ const MUCH: f64 = 0.5;
 const NAMED: usize = 8;
 
 /// How often postures were reached.
-pub fn visits(found: Option<&Visits>) -> String {
+pub(super) fn visits(found: Option<&Visits>) -> String {
     let nothing = || "no posture was reached twice".to_string();
     found.map_or_else(nothing, Visits::sentence)
 }
 
 /// What a card says of data.
-pub struct Data<'a> {
+pub(super) struct Data<'a> {
     /// Names and sentences, in their order.
     pub lines: Vec<(&'static str, String)>,
     /// Joints of the robot.
@@ -41,7 +41,7 @@ pub struct Data<'a> {
 
 impl Data<'_> {
     /// What `data.html` takes.
-    pub fn context(mut self) -> Value {
+    pub(super) fn context(mut self) -> Value {
         let ranges: Vec<Value> = self.ranges();
         if !ranges.is_empty() {
             self.lines.push(("joints", self.coverage()));

@@ -26,7 +26,7 @@ const HEADING: f64 = 28.0;
 
 /// A chart: panels in rows.
 #[derive(Default)]
-pub struct Plot {
+pub(super) struct Plot {
     /// What it shows, in words.
     pub label: String,
     /// Pixels.
@@ -40,7 +40,7 @@ pub struct Plot {
 
 /// A plane with axes.
 #[derive(Default)]
-pub struct Panel {
+pub(super) struct Panel {
     pub title: String,
     /// Ranges of the axes; all that layers have of one where there is none.
     pub x: Option<Range<f64>>,
@@ -66,7 +66,7 @@ pub struct Panel {
 }
 
 /// What is drawn at points, and its name in the key if it stands there.
-pub struct Series {
+pub(super) struct Series {
     name: String,
     mark: Mark,
     points: Vec<Point>,
@@ -74,7 +74,7 @@ pub struct Series {
 
 /// What stands for a point; lengths in pixels.
 #[derive(Clone, Copy)]
-pub enum Mark {
+pub(super) enum Mark {
     /// A filled dot of a radius.
     Dot(Color, f64),
     /// A hollow dot.
@@ -100,12 +100,12 @@ pub enum Mark {
 
 impl Mark {
     /// A dot of the usual size.
-    pub const fn dot(color: Color) -> Mark {
+    pub(super) const fn dot(color: Color) -> Mark {
         Mark::Dot(color, 3.25)
     }
 
     /// A stroke of the usual size.
-    pub const fn stroke(color: Color) -> Mark {
+    pub(super) const fn stroke(color: Color) -> Mark {
         Mark::Stroke(color, [13.0, 2.5])
     }
 
@@ -153,7 +153,7 @@ impl Mark {
 
 /// Where something is, in units of the axes, and what it stands for.
 #[derive(Clone)]
-pub struct Point {
+pub(super) struct Point {
     /// Where it begins and ends.
     ends: [[f64; 2]; 2],
     /// The posture of the page that a pointer is shown.
@@ -164,7 +164,7 @@ pub struct Point {
 
 impl Point {
     /// From a place to another.
-    pub fn between(ends: [[f64; 2]; 2]) -> Point {
+    pub(super) fn between(ends: [[f64; 2]; 2]) -> Point {
         Point {
             ends,
             posture: None,
@@ -173,21 +173,21 @@ impl Point {
     }
 
     /// A place that stands for posture `k` of the page.
-    pub fn posture(k: usize, at: [f64; 2]) -> Point {
+    pub(super) fn posture(k: usize, at: [f64; 2]) -> Point {
         let mut point = Point::from(at);
         point.posture = Some(k);
         point
     }
 
     /// A place that stands for no posture, and what a pointer is told of it.
-    pub fn worded(words: impl Into<String>, at: [f64; 2]) -> Point {
+    pub(super) fn worded(words: impl Into<String>, at: [f64; 2]) -> Point {
         let mut point = Point::from(at);
         point.words = words.into();
         point
     }
 
     /// The same, coming from another place.
-    pub fn coming_from(self, from: [f64; 2]) -> Point {
+    pub(super) fn coming_from(self, from: [f64; 2]) -> Point {
         let ends = [from, self.ends[1]];
         Point { ends, ..self }
     }
@@ -200,7 +200,7 @@ impl From<[f64; 2]> for Point {
 }
 
 /// Points of one kind.
-pub fn series<P: Into<Point>>(mark: Mark, points: impl IntoIterator<Item = P>) -> Series {
+pub(super) fn series<P: Into<Point>>(mark: Mark, points: impl IntoIterator<Item = P>) -> Series {
     Series {
         name: String::new(),
         mark,
@@ -209,13 +209,17 @@ pub fn series<P: Into<Point>>(mark: Mark, points: impl IntoIterator<Item = P>) -
 }
 
 /// Lines from a place to another each.
-pub fn segments(color: Color, width: f64, ends: impl IntoIterator<Item = [[f64; 2]; 2]>) -> Series {
+pub(super) fn segments(
+    color: Color,
+    width: f64,
+    ends: impl IntoIterator<Item = [[f64; 2]; 2]>,
+) -> Series {
     let points = ends.into_iter().map(Point::between);
     series(Mark::Segment(color, width), points)
 }
 
 /// A line across the panel at a value of an axis (0: x, 1: y).
-pub fn rule(axis: usize, value: f64, color: Color, width: f64) -> Series {
+pub(super) fn rule(axis: usize, value: f64, color: Color, width: f64) -> Series {
     let ends = [f64::NEG_INFINITY, f64::INFINITY].map(|far| match axis {
         0 => [value, far],
         _ => [far, value],
@@ -224,20 +228,20 @@ pub fn rule(axis: usize, value: f64, color: Color, width: f64) -> Series {
 }
 
 /// The edges of a box.
-pub fn outline(color: Color, [[left, low], [right, high]]: [[f64; 2]; 2]) -> Series {
+pub(super) fn outline(color: Color, [[left, low], [right, high]]: [[f64; 2]; 2]) -> Series {
     let first = [left, low];
     let corners = [first, [right, low], [right, high], [left, high], first];
     series(Mark::Line(color, 1.0), corners)
 }
 
 /// A filled box between two corners, of an opacity from 0 to 1.
-pub fn area(color: Color, opacity: f64, corners: [[f64; 2]; 2]) -> Series {
+pub(super) fn area(color: Color, opacity: f64, corners: [[f64; 2]; 2]) -> Series {
     series(Mark::Box(color, opacity), [Point::between(corners)])
 }
 
 impl Series {
     /// The same with a name in the key.
-    pub fn named(self, name: impl Into<String>) -> Series {
+    pub(super) fn named(self, name: impl Into<String>) -> Series {
         let name = name.into();
         Series { name, ..self }
     }
@@ -282,7 +286,7 @@ impl Series {
 
 impl Plot {
     /// The chart as SVG.
-    pub fn draw(&self) -> String {
+    pub(super) fn draw(&self) -> String {
         let columns = self.columns.max(1);
         let names = self.panels.iter().flat_map(|panel| &panel.rows);
         let names = names.map(|name| text_width(name) + 12.0);
@@ -316,7 +320,7 @@ impl Plot {
 }
 
 /// The chart of panels one below the other; `label` says in words what it shows.
-pub fn stacked(width: f64, label: String, panels: Vec<Panel>) -> String {
+pub(super) fn stacked(width: f64, label: String, panels: Vec<Panel>) -> String {
     Plot {
         label,
         width,
@@ -328,7 +332,7 @@ pub fn stacked(width: f64, label: String, panels: Vec<Panel>) -> String {
 
 impl Panel {
     /// The chart that has this panel alone.
-    pub fn alone(self, width: f64, label: String) -> String {
+    pub(super) fn alone(self, width: f64, label: String) -> String {
         stacked(width, label, vec![self])
     }
 
@@ -487,7 +491,7 @@ fn ticks(range: &Range<f64>, most: usize) -> Vec<(f64, String)> {
 
 /// The smallest range over all finite values, a little wider, and wide enough for ticks
 /// around a single value.
-pub fn span(values: impl IntoIterator<Item = f64>) -> Range<f64> {
+pub(super) fn span(values: impl IntoIterator<Item = f64>) -> Range<f64> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values.into_iter().filter(|value| value.is_finite()) {
         (low, high) = (low.min(value), high.max(value));
@@ -505,7 +509,7 @@ pub fn span(values: impl IntoIterator<Item = f64>) -> Range<f64> {
 }
 
 /// Widen one of two ranges so that a unit is as long on both axes.
-pub fn same_scale(
+pub(super) fn same_scale(
     ranges: [Range<f64>; 2],
     [left, top, right, bottom]: [f64; 4],
 ) -> [Range<f64>; 2] {

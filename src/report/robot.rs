@@ -48,7 +48,7 @@ pub struct Shown {
 
 /// What changes between before and after.
 #[derive(Debug, Clone, Default)]
-pub struct Correction {
+pub(super) struct Correction {
     /// Coefficients of χ² over the part of the correction, and how much noise leaves.
     pub chi2: Option<([f64; 3], f64)>,
     /// Name, value and unit of what was found.
@@ -59,14 +59,14 @@ pub struct Correction {
 
 /// What is marked on a robot, and what is said of it.
 #[derive(Default)]
-pub struct Marked {
+pub(super) struct Marked {
     pub marks: Marks,
     pub said: Vec<String>,
 }
 
 impl Marked {
     /// Mark what an `effect` acts on, joints where it is none; whether the robot has it.
-    pub fn mark(&mut self, skeleton: &Skeleton, effect: &str, target: &str) -> bool {
+    pub(super) fn mark(&mut self, skeleton: &Skeleton, effect: &str, target: &str) -> bool {
         let effects = about(&Catalog::standard());
         let named = effects.iter().find(|known| known.name == effect);
         let of_link = named.is_some_and(|effect| effect.target == TargetKind::Link);
@@ -91,14 +91,14 @@ impl Marked {
     }
 
     /// Mark it and say `what` it is.
-    pub fn point(&mut self, skeleton: &Skeleton, effect: &str, target: &str, what: &str) {
+    pub(super) fn point(&mut self, skeleton: &Skeleton, effect: &str, target: &str, what: &str) {
         if self.mark(skeleton, effect, target) {
             self.say(target, what);
         }
     }
 
     /// Say what is the matter with a target that is marked.
-    pub fn say(&mut self, target: &str, what: &str) {
+    pub(super) fn say(&mut self, target: &str, what: &str) {
         self.said.push(match target {
             Target::ALL_JOINTS => format!("every joint ({what})"),
             target => format!("`{}` ({what})", target.replace(',', "`, `")),
@@ -106,7 +106,7 @@ impl Marked {
     }
 
     /// All that is said of it in a sentence, or that there is nothing.
-    pub fn sentence(&self, nothing: &str) -> String {
+    pub(super) fn sentence(&self, nothing: &str) -> String {
         match self.said.is_empty() {
             true => nothing.to_string(),
             false => format!("Orange: {}.", self.said.join("; ")),
@@ -115,7 +115,7 @@ impl Marked {
 }
 
 /// The robot of a page.
-pub struct Card<'a> {
+pub(super) struct Card<'a> {
     pub skeleton: &'a Skeleton,
     /// Where there are none the robot stands still, with all joints at zero.
     pub postures: Vec<Shown>,
@@ -132,7 +132,7 @@ pub struct Card<'a> {
 impl<'a> Card<'a> {
     /// The robot in one of `postures`, or with all joints at zero where there are none, with what
     /// is said of the marks on it.
-    pub fn standing(
+    pub(super) fn standing(
         skeleton: &'a Skeleton,
         marked: Marked,
         nothing: &str,
@@ -153,7 +153,7 @@ impl<'a> Card<'a> {
     }
 
     /// The robot with nothing marked on it.
-    pub fn new(skeleton: &'a Skeleton, postures: Vec<Shown>, caption: String) -> Card<'a> {
+    pub(super) fn new(skeleton: &'a Skeleton, postures: Vec<Shown>, caption: String) -> Card<'a> {
         Card {
             skeleton,
             postures,
@@ -166,7 +166,7 @@ impl<'a> Card<'a> {
     }
 
     /// What `robot.html` takes.
-    pub fn context(self) -> Value {
+    pub(super) fn context(self) -> Value {
         let cop = self.postures.iter();
         let cop = cop.filter_map(|p| p.measured.or(p.planned));
         let cop: Vec<[f64; 2]> = cop.collect();

@@ -6,7 +6,7 @@
 //! What has a coordinate that is no number is left out.
 
 #[cfg(test)]
-pub mod tests;
+pub(super) mod tests;
 
 use std::fmt::{self, Write as _};
 
@@ -16,7 +16,7 @@ use sesc_model::text::visible_lines;
 /// A colour under its name on the page; the colours are few and can be told apart
 /// without telling red from green.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Color {
+pub(super) struct Color {
     pub name: &'static str,
     /// Value on a light page.
     pub light: &'static str,
@@ -29,27 +29,27 @@ const fn color(name: &'static str, light: &'static str, dark: &'static str) -> C
 }
 
 /// Text, and what is true.
-pub const INK: Color = color("ink", "#1f2933", "#e6eaf0");
+pub(super) const INK: Color = color("ink", "#1f2933", "#e6eaf0");
 /// Axis labels and readings.
-pub const MUTED: Color = color("muted", "#646b78", "#a0aab8");
-pub const GRID: Color = color("grid", "#e3e7ec", "#2b333e");
+pub(super) const MUTED: Color = color("muted", "#646b78", "#a0aab8");
+pub(super) const GRID: Color = color("grid", "#e3e7ec", "#2b333e");
 /// A broad line that a thin one runs in.
-pub const BAND: Color = color("band", "#c3cad4", "#505c6c");
+pub(super) const BAND: Color = color("band", "#c3cad4", "#505c6c");
 /// What was identified.
-pub const BLUE: Color = color("blue", "#0072b2", "#56b4e9");
+pub(super) const BLUE: Color = color("blue", "#0072b2", "#56b4e9");
 /// What data cannot tell.
-pub const ORANGE: Color = color("orange", "#d55e00", "#f0a04b");
+pub(super) const ORANGE: Color = color("orange", "#d55e00", "#f0a04b");
 /// The card behind a figure, and the inside of hollow marks.
-pub const PAPER: Color = color("paper", "#ffffff", "#1a2028");
+pub(super) const PAPER: Color = color("paper", "#ffffff", "#1a2028");
 
-pub const PALETTE: [Color; 7] = [INK, MUTED, GRID, BAND, BLUE, ORANGE, PAPER];
+pub(super) const PALETTE: [Color; 7] = [INK, MUTED, GRID, BAND, BLUE, ORANGE, PAPER];
 
 /// x to the right and y down, pixels.
-pub type Place = [f64; 2];
+pub(super) type Place = [f64; 2];
 
 /// Which end of a text is at its place.
 #[derive(Clone, Copy)]
-pub enum Anchor {
+pub(super) enum Anchor {
     Start,
     Middle,
     End,
@@ -57,7 +57,7 @@ pub enum Anchor {
 
 /// Size (pixels) and weight of a text.
 #[derive(Clone, Copy)]
-pub struct Type {
+pub(super) struct Type {
     size: f64,
     bold: bool,
 }
@@ -71,24 +71,24 @@ const fn bold(size: f64) -> Type {
 }
 
 /// Numbers inside squares.
-pub const TINY: Type = plain(11.0);
+pub(super) const TINY: Type = plain(11.0);
 /// Labels, names, keys.
-pub const SMALL: Type = plain(12.0);
+pub(super) const SMALL: Type = plain(12.0);
 /// The title of a small panel.
-pub const NAME: Type = bold(12.0);
+pub(super) const NAME: Type = bold(12.0);
 /// A number that a bar stands for.
-pub const NUMBER: Type = bold(13.0);
+pub(super) const NUMBER: Type = bold(13.0);
 const TITLE: Type = bold(13.5);
 
 /// A figure under construction.
-pub struct Figure {
+pub(super) struct Figure {
     svg: String,
 }
 
 impl Figure {
     /// An empty figure of this width and height, pixels; `label` says in words what
     /// it shows.
-    pub fn new(size: [f64; 2], label: &str) -> Figure {
+    pub(super) fn new(size: [f64; 2], label: &str) -> Figure {
         let more = " font-family=\"sans-serif\" stroke-linejoin=\"round\"";
         let mut figure = Figure::begun(size, label, more);
         let rules = |value: fn(&Color) -> &'static str| {
@@ -105,7 +105,7 @@ impl Figure {
 
     /// A figure of a page that has others, from which it takes its colours: without style and
     /// ground of its own.
-    pub fn plain(size: [f64; 2], label: &str) -> Figure {
+    pub(super) fn plain(size: [f64; 2], label: &str) -> Figure {
         Figure::begun(size, label, "")
     }
 
@@ -122,7 +122,7 @@ impl Figure {
     }
 
     /// The text of the figure.
-    pub fn finish(self) -> String {
+    pub(super) fn finish(self) -> String {
         self.svg + "</svg>\n"
     }
 
@@ -134,12 +134,17 @@ impl Figure {
     }
 
     /// A line through places.
-    pub fn line(&mut self, places: impl IntoIterator<Item = Place>, color: Color, width: f64) {
+    pub(super) fn line(
+        &mut self,
+        places: impl IntoIterator<Item = Place>,
+        color: Color,
+        width: f64,
+    ) {
         self.lines([places], color, width);
     }
 
     /// Lines through places each, as one element: of hundreds it is a third as long.
-    pub fn lines<P: IntoIterator<Item = Place>>(
+    pub(super) fn lines<P: IntoIterator<Item = Place>>(
         &mut self,
         lines: impl IntoIterator<Item = P>,
         color: Color,
@@ -172,17 +177,17 @@ impl Figure {
     }
 
     /// All points within half a width of a line.
-    pub fn capsule(&mut self, ends: [Place; 2], width: f64, color: Color) {
+    pub(super) fn capsule(&mut self, ends: [Place; 2], width: f64, color: Color) {
         self.stroke(ends, color, width, "stroke-linecap=\"round\"");
     }
 
     /// A dashed line.
-    pub fn dashed(&mut self, ends: [Place; 2], color: Color, width: f64) {
+    pub(super) fn dashed(&mut self, ends: [Place; 2], color: Color, width: f64) {
         self.stroke(ends, color, width, "stroke-dasharray=\"3 3\"");
     }
 
     /// A filled polygon.
-    pub fn polygon(&mut self, places: &[Place], color: Color) {
+    pub(super) fn polygon(&mut self, places: &[Place], color: Color) {
         let points = places.iter();
         let points = points.map(|[x, y]| format!("{},{}", Px(*x), Px(*y)));
         let points = points.collect::<Vec<String>>().join(" ");
@@ -191,7 +196,7 @@ impl Figure {
     }
 
     /// A filled box between two corners; `opacity` from 0 to 1.
-    pub fn fill(&mut self, corners: [Place; 2], color: Color, opacity: f64) {
+    pub(super) fn fill(&mut self, corners: [Place; 2], color: Color, opacity: f64) {
         let opacity = match opacity < 1.0 {
             true => format!(" fill-opacity=\"{opacity}\""),
             false => String::new(),
@@ -201,21 +206,21 @@ impl Figure {
     }
 
     /// The edges of a box.
-    pub fn outline(&mut self, corners: [Place; 2], color: Color) {
+    pub(super) fn outline(&mut self, corners: [Place; 2], color: Color) {
         let edges = Corners(corners);
         let drawn = format_args!("{edges} fill=\"none\" stroke=\"currentColor\"");
         self.element("rect", color.name, &corners, drawn);
     }
 
     /// A filled dot.
-    pub fn dot(&mut self, at: Place, radius: f64, color: Color) {
+    pub(super) fn dot(&mut self, at: Place, radius: f64, color: Color) {
         let [x, y] = at.map(Px);
         let filled = format_args!("cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"currentColor\"");
         self.element("circle", color.name, &[at], filled);
     }
 
     /// A hollow dot.
-    pub fn ring(&mut self, at: Place, color: Color) {
+    pub(super) fn ring(&mut self, at: Place, color: Color) {
         let [x, y] = at.map(Px);
         let edge = format_args!(
             "cx=\"{x}\" cy=\"{y}\" r=\"3.75\" stroke=\"currentColor\" stroke-width=\"1.25\""
@@ -224,7 +229,7 @@ impl Figure {
     }
 
     /// One line of text, its middle at the height of the place; none without words.
-    pub fn text(&mut self, at: Place, anchor: Anchor, font: Type, color: Color, text: &str) {
+    pub(super) fn text(&mut self, at: Place, anchor: Anchor, font: Type, color: Color, text: &str) {
         if text.is_empty() || !at.iter().all(|x| x.is_finite()) {
             return;
         }
@@ -251,12 +256,19 @@ impl Figure {
     }
 
     /// A small line of text.
-    pub fn note(&mut self, at: Place, anchor: Anchor, color: Color, text: &str) {
+    pub(super) fn note(&mut self, at: Place, anchor: Anchor, color: Color, text: &str) {
         self.text(at, anchor, SMALL, color, text);
     }
 
     /// A text that stays readable on whatever is under it.
-    pub fn haloed(&mut self, at: Place, anchor: Anchor, font: Type, color: Color, text: &str) {
+    pub(super) fn haloed(
+        &mut self,
+        at: Place,
+        anchor: Anchor,
+        font: Type,
+        color: Color,
+        text: &str,
+    ) {
         let attributes = format!(
             "class=\"{}\" stroke=\"currentColor\" stroke-width=\"5\" aria-hidden=\"true\"",
             PAPER.name
@@ -268,29 +280,29 @@ impl Figure {
     }
 
     /// The title of a figure or panel, at its left edge.
-    pub fn title(&mut self, middle: f64, text: &str) {
+    pub(super) fn title(&mut self, middle: f64, text: &str) {
         self.text([2.0, middle], Anchor::Start, TITLE, INK, text);
     }
 
     /// Elements that belong together; `attributes` are written as they are.
-    pub fn group(&mut self, attributes: &str, draw: impl FnOnce(&mut Figure)) {
+    pub(super) fn group(&mut self, attributes: &str, draw: impl FnOnce(&mut Figure)) {
         let _ = writeln!(self.svg, "<g {attributes}>");
         draw(self);
         self.svg.push_str("</g>\n");
     }
 
     /// A mark that stands for no posture: a script tells a pointer these words.
-    pub fn worded(&mut self, words: &str, draw: impl FnOnce(&mut Figure)) {
+    pub(super) fn worded(&mut self, words: &str, draw: impl FnOnce(&mut Figure)) {
         self.group(&format!("data-v=\"{}\"", escaped(words)), draw);
     }
 
     /// What a pointer is told of the group that is being drawn.
-    pub fn called(&mut self, name: &str) {
+    pub(super) fn called(&mut self, name: &str) {
         let _ = writeln!(self.svg, "<title>{}</title>", escaped(name));
     }
 
     /// The sign of a centre of mass: a quartered disc.
-    pub fn centre_of_mass(&mut self, at: Place) {
+    pub(super) fn centre_of_mass(&mut self, at: Place) {
         const R: f64 = 7.0;
         const INSIDE: f64 = R - 1.5;
         self.dot(at, R + 1.5, PAPER);
@@ -306,7 +318,7 @@ impl Figure {
     }
 
     /// A line with a head where it is long enough for one.
-    pub fn arrow(&mut self, tail: Place, tip: Place, color: Color) {
+    pub(super) fn arrow(&mut self, tail: Place, tip: Place, color: Color) {
         /// Length of the head, and half its width, pixels.
         const HEAD: [f64; 2] = [5.5, 2.2];
         self.line([tail, tip], color, 1.25);
@@ -328,7 +340,7 @@ impl Figure {
 }
 
 /// Pixels that a small text may take, in a broad font.
-pub fn text_width(text: &str) -> f64 {
+pub(super) fn text_width(text: &str) -> f64 {
     let letters = text.chars().map(|c| match c {
         'i' | 'j' | 'l' | 't' | 'f' | 'r' | 'I' | ' ' | '.' | ',' | ':' | '(' | ')' | '|' => 0.38,
         'm' | 'w' | 'M' | 'W' | '%' | '…' => 0.95,
@@ -367,7 +379,7 @@ impl fmt::Display for Corners {
 }
 
 /// `text` so that markup reads it as text; what is hidden is spelled out, as in terminals.
-pub fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in visible_lines(text).chars() {
         match c {

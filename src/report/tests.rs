@@ -3,7 +3,7 @@
 use super::{CopRow, DemoReport, Errors, FunctionRow, HeightRow, LengthRow};
 
 /// OP2-like numbers under names that need escaping.
-pub fn report() -> DemoReport {
+pub(super) fn report() -> DemoReport {
     let function =
         |name: &str, [mul, add]: [usize; 2], [worst_error_m, bound_m]: [f64; 2]| FunctionRow {
             name: name.to_string(),
@@ -90,7 +90,7 @@ pub fn report() -> DemoReport {
 
 /// A page without its scripts, of which it has as many as are expected and none from elsewhere:
 /// it refers to nothing outside, and data in scripts end no script.
-pub fn still(page: &str, scripts: usize) -> String {
+pub(super) fn still(page: &str, scripts: usize) -> String {
     let mut parts = page.split("<script");
     let mut out = parts.next().unwrap().to_string();
     let mut count = 0;
@@ -113,7 +113,7 @@ pub fn still(page: &str, scripts: usize) -> String {
 
 /// Numbers of a page have a true minus; programs' text in `pre` and `code` is as programs write it.
 #[track_caller]
-pub fn true_minus(page: &str) {
+pub(super) fn true_minus(page: &str) {
     let mut rest = page
         .split_once("<body>")
         .map_or(page, |(_, body)| body)
@@ -141,7 +141,7 @@ pub fn true_minus(page: &str) {
 
 /// Asserts that a text holds all of these words.
 #[track_caller]
-pub fn says(text: &str, words: &[&str]) {
+pub(super) fn says(text: &str, words: &[&str]) {
     for word in words {
         assert!(text.contains(word), "`{word}` is not in: {text}");
     }

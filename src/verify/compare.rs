@@ -52,7 +52,7 @@ pub(super) struct Differences {
 }
 
 impl Compared<'_> {
-    pub fn differences(&self, block: &Block) -> Differences {
+    pub(super) fn differences(&self, block: &Block) -> Differences {
         let (q, postures, differentiate) = (&block.q, block.postures, block.differentiate);
         let dof = self.dof;
         let truth = |k: usize| {

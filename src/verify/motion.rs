@@ -81,7 +81,7 @@ pub(super) struct Truth {
 }
 
 impl Truth {
-    pub fn new(
+    pub(super) fn new(
         reference: &Reference,
         q: &[f64],
         joints: &JointMotion,
@@ -107,7 +107,7 @@ impl Truth {
 
     /// Largest difference between `values` of `function` and the truth, m; of rows by what
     /// they give times `params`, of a velocity by that of joints that move at `params`.
-    pub fn difference(&self, function: Function, params: &[f64], values: &[f64]) -> f64 {
+    pub(super) fn difference(&self, function: Function, params: &[f64], values: &[f64]) -> f64 {
         let times = |row: &[f64]| -> f64 { row.iter().zip(params).map(|(a, b)| a * b).sum() };
         let explained =
             |rows: &[f64]| -> Vec<f64> { rows.chunks(params.len().max(1)).map(times).collect() };

@@ -16,7 +16,7 @@ use sesc_model::program::{Program, Shape, operands};
 
 /// The common body and what it takes.
 #[derive(Debug, Clone)]
-pub struct Shared {
+pub(super) struct Shared {
     /// The program of positions; its angles are inputs.
     pub core: Program,
     /// In the order of joints.
@@ -27,7 +27,7 @@ pub struct Shared {
 
 /// An angle that a link turns by.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Angle {
+pub(super) struct Angle {
     /// Where it stands in the program of positions.
     pub id: Id,
     /// Its joint.
@@ -52,7 +52,7 @@ const ANGLES_TWICE: usize = 64;
 impl Shared {
     /// `None` where the programs are not of the same operations, there is no angle, or a common
     /// body would be slower.
-    pub fn new(function: Function, positions: &Program, sines: &Program) -> Option<Shared> {
+    pub(super) fn new(function: Function, positions: &Program, sines: &Program) -> Option<Shared> {
         if TWICE.contains(&function) && positions.angles().len() <= ANGLES_TWICE {
             return None;
         }
@@ -84,7 +84,7 @@ impl Shared {
     }
 
     /// The place of an angle in the order of joints.
-    pub fn place(&self, angle: Id) -> usize {
+    pub(super) fn place(&self, angle: Id) -> usize {
         let found = self.angles.iter().position(|known| known.id == angle);
         found.expect("angles of the body are its inputs")
     }
@@ -166,7 +166,7 @@ fn joint_of(program: &Program, angle: Id) -> Option<usize> {
 }
 
 /// A program of some of the values of another.
-pub fn values(program: &Program, outputs: &[Id]) -> Program {
+pub(super) fn values(program: &Program, outputs: &[Id]) -> Program {
     let mut values = program.clone();
     values.shape = Shape::Vector(outputs.len());
     values.sections.clear();

@@ -114,30 +114,30 @@ pub(super) const COPIED: f64 = 1e-5;
 pub(super) mod functions {
     /// −2 log odds against one beside an effect of the list. Chosen: odds of 20 to 1; half of it
     /// prefers forms to names where both fit, twice as much hides small effects without a name.
-    pub const UNNAMED: f64 = 6.0;
+    pub(crate) const UNNAMED: f64 = 6.0;
     /// Waves of an encoder's error a turn. Chosen: what discs, magnets and gears of servos have.
-    pub const PER_TURN: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0];
+    pub(crate) const PER_TURN: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 6.0, 8.0];
     /// Parts of the values of a variable at which functions begin. Chosen: the fit moves them.
-    pub const PARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+    pub(crate) const PARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
     /// Values at which a function that is fitted may begin. Chosen: it costs time.
-    pub const STARTS: usize = 100;
+    pub(crate) const STARTS: usize = 100;
     /// Parts of the log that a decay lasts. Chosen: the fit moves them.
-    pub const SIZES: [f64; 3] = [0.1, 0.3, 1.0];
+    pub(crate) const SIZES: [f64; 3] = [0.1, 0.3, 1.0];
     /// Joints with those that their errors may follow, the nearest first. Chosen: it costs time, and
     /// is all of them up to 56 joints.
-    pub const PAIRS_OF_JOINTS: usize = 3200;
+    pub(crate) const PAIRS_OF_JOINTS: usize = 3200;
     /// Postures that are looked at. Chosen: it costs time.
-    pub const POSTURES: usize = 300;
+    pub(crate) const POSTURES: usize = 300;
     /// Functions that are fitted beside one explanation, of one place and of all. Chosen: it costs
     /// time; with fewer the right form may not be fitted.
-    pub const OF_A_PLACE: usize = 3;
+    pub(crate) const OF_A_PLACE: usize = 3;
     /// Chosen: it costs time, as for one place.
-    pub const OF_ALL: usize = 12;
+    pub(crate) const OF_ALL: usize = 12;
     /// Explanations that functions are tried beside. Chosen: it costs time.
-    pub const BESIDE: usize = 4;
+    pub(crate) const BESIDE: usize = 4;
     /// A column of whose square the masses and the hypothesis leave no more says nothing. Chosen: an angle
     /// of half a degree.
-    pub const LEAST_PART: f64 = 1e-4;
+    pub(crate) const LEAST_PART: f64 = 1e-4;
 }
 
 // Dead bands.

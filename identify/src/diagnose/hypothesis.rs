@@ -32,7 +32,7 @@ pub(super) enum Term {
 /// Unknowns of the noise of two widths: its share and its width.
 const OUTLIER_UNKNOWNS: usize = 2;
 /// The name of free masses in reports, rows and files.
-pub const FREE_MASSES: &str = FREED.0;
+pub(crate) const FREE_MASSES: &str = FREED.0;
 /// Names and subjects of terms that are no effects.
 const FREED: (&str, &str) = ("mass_distribution", "masses that differ from CAD");
 const OUTLIERS: (&str, &str) = ("cop_outliers", "a few readings that come from elsewhere");
@@ -195,7 +195,7 @@ impl Term {
     }
 
     /// The same with its label: `an offset of l_knee (joint_offset:l_knee)`.
-    pub fn subject(&self, context: &EffectContext) -> String {
+    pub(super) fn subject(&self, context: &EffectContext) -> String {
         format!("{} ({})", self.phrase(context), self.label(context))
     }
 

@@ -7,7 +7,7 @@
 use super::criteria;
 
 #[derive(Debug, Clone)]
-pub struct Outliers {
+pub(super) struct Outliers {
     /// ε
     pub share: f64,
     /// ρ
@@ -18,7 +18,7 @@ pub struct Outliers {
 
 impl Outliers {
     /// Share and width that explain whitened residuals best (x, y per posture).
-    pub fn of(residual: &[f64], keep: Option<&[bool]>) -> Outliers {
+    pub(super) fn of(residual: &[f64], keep: Option<&[bool]>) -> Outliers {
         let squares = squares(residual);
         let kept = |k: usize| keep.is_none_or(|keep| keep[k]);
         let count = (0..squares.len()).filter(|&k| kept(k)).count().max(1) as f64;
@@ -64,7 +64,7 @@ impl Outliers {
     }
 
     /// Root of the weight of each reading.
-    pub fn root_weights(&self, keep: Option<&[bool]>) -> Vec<f64> {
+    pub(super) fn root_weights(&self, keep: Option<&[bool]>) -> Vec<f64> {
         let narrow = 1.0 / (self.width * self.width);
         let weight = |(k, c): (usize, &f64)| match keep.is_none_or(|keep| keep[k]) {
             true => [(1.0 - c + c * narrow).sqrt(); 2],
@@ -75,7 +75,7 @@ impl Outliers {
 
     /// −2 log likelihood where `narrow` is that of the readings as weighted: the
     /// weighted squares are exchanged for the mixture's.
-    pub fn objective(&self, residual: &[f64], keep: Option<&[bool]>, narrow: f64) -> f64 {
+    pub(super) fn objective(&self, residual: &[f64], keep: Option<&[bool]>, narrow: f64) -> f64 {
         let weights = self.root_weights(keep);
         let squares = squares(residual);
         let mut objective = narrow;
@@ -92,7 +92,7 @@ impl Outliers {
     }
 
     /// Postures that are rather outliers than not.
-    pub fn named(&self) -> Vec<usize> {
+    pub(super) fn named(&self) -> Vec<usize> {
         (0..self.chance.len())
             .filter(|&k| self.chance[k] > criteria::OUTLIER_CHANCE)
             .collect()

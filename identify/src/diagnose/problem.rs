@@ -32,7 +32,7 @@ use crate::observations::correlation::Correlation;
 use crate::observations::postures::Postures;
 
 use crate::svd::svd;
-pub use block::{Block, InFile, Untold};
+pub(super) use block::{Block, InFile, Untold};
 pub(super) use block::{run_alone, side, soles_of, tilts};
 pub(super) use fitting::Weighting;
 

@@ -65,7 +65,7 @@ pub(crate) struct Closure {
 
 impl Closure {
     /// The equations in postures `q[posture * dof + joint]` (rad or m), at times `t` (s).
-    pub fn of(model: &Model, other: OtherFoot, q: &[f64], t: Option<&[f64]>) -> Closure {
+    pub(crate) fn of(model: &Model, other: OtherFoot, q: &[f64], t: Option<&[f64]>) -> Closure {
         let dof = model.dof();
         let n = q.len() / dof.max(1);
         let tape = Tape::new(&other_sole_by_joints(model, other.place()));
@@ -99,24 +99,24 @@ impl Closure {
     }
 
     /// Postures.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.values.len() / ROWS
     }
 
     /// 1/σ of a row: posture by posture, equation by equation.
-    pub fn weight(&self, row: usize) -> f64 {
+    pub(crate) fn weight(&self, row: usize) -> f64 {
         1.0 / self.std[row % ROWS]
     }
 
     /// Whitened residuals (0 − value)/σ of values of the equations.
-    pub fn whitened(&self, values: impl Iterator<Item = f64>) -> DVector<f64> {
+    pub(crate) fn whitened(&self, values: impl Iterator<Item = f64>) -> DVector<f64> {
         let rows = values.enumerate();
         let rows = rows.map(|(row, value)| -value * self.weight(row));
         DVector::from_iterator(ROWS * self.len(), rows)
     }
 
     /// `S x`: whitened columns without what may be common to all postures.
-    pub fn without_common(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+    pub(crate) fn without_common(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
         let n = self.len() as f64;
         let mut rest = x.clone();
         for mut column in rest.column_iter_mut() {
@@ -133,14 +133,14 @@ impl Closure {
     }
 
     /// The same of one column.
-    pub fn without_common_of(&self, x: &DVector<f64>) -> DVector<f64> {
+    pub(crate) fn without_common_of(&self, x: &DVector<f64>) -> DVector<f64> {
         let x = DMatrix::from_column_slice(x.len(), 1, x.as_slice());
         self.without_common(&x).column(0).into_owned()
     }
 
     /// χ² of whitened residuals against the noise as it is, however few samples the postures
     /// are worth, and what noise leaves.
-    pub fn chi2(&self, residual: &DVector<f64>) -> (f64, f64) {
+    pub(crate) fn chi2(&self, residual: &DVector<f64>) -> (f64, f64) {
         let left = self.without_common_of(residual);
         let rows = left.iter().enumerate();
         let chi2 = rows.map(|(row, e)| (e * self.widened[row % ROWS]).powi(2));
@@ -148,7 +148,7 @@ impl Closure {
     }
 
     /// RMS of whitened residuals in their own units.
-    pub fn lies(&self, residual: &DVector<f64>) -> Lies {
+    pub(crate) fn lies(&self, residual: &DVector<f64>) -> Lies {
         Lies::from([0, 1, 2].map(|row| {
             let own = residual.iter().skip(row).step_by(ROWS);
             rms(own.map(|e| e * self.std[row]))
@@ -156,7 +156,7 @@ impl Closure {
     }
 
     /// What is said where an explanation leaves `after` of what CAD leaves.
-    pub fn said(&self, before: &DVector<f64>, after: &DVector<f64>) -> ClosureFound {
+    pub(crate) fn said(&self, before: &DVector<f64>, after: &DVector<f64>) -> ClosureFound {
         let (chi2, expected) = self.chi2(after);
         ClosureFound {
             support: self.support.clone(),
@@ -177,7 +177,7 @@ impl Closure {
 
     /// Offsets of zero with the deviation that each has in such postures alone; those that the
     /// soles hardly show are left out.
-    pub fn precision(&self) -> Vec<Offset> {
+    pub(crate) fn precision(&self) -> Vec<Offset> {
         let all = self.offsets(&DVector::zeros(ROWS * self.len())).1;
         let known = all.into_iter().map(|(.., offset)| offset);
         known.filter(|offset| offset.std < UNKNOWN).collect()
@@ -204,7 +204,7 @@ impl Closure {
 
     /// Whether the soles close as joint positions are by their `source`, CAD or the model file:
     /// what is said of it, with the joints whose offsets explain where they do not.
-    pub fn found_by(&self, source: &str) -> ClosureFound {
+    pub(crate) fn found_by(&self, source: &str) -> ClosureFound {
         let residual = self.whitened(self.values.iter().copied());
         let rest = self.without_common_of(&residual);
         let (whole, mut offsets) = self.offsets(&rest);
@@ -229,7 +229,7 @@ impl Closure {
 }
 
 /// Equations per posture: height (m), roll and pitch (rad) of the other sole.
-pub const ROWS: usize = 3;
+pub(crate) const ROWS: usize = 3;
 /// Noise of a posture is no smaller, m, rad, rad: ticks of encoders add up to about as much.
 pub(super) const FLOOR: [f64; ROWS] = [3e-4, 1e-3, 1e-3];
 /// … and no larger: soles that move more than this do not stand flat.

@@ -247,7 +247,7 @@ pub(crate) struct Places {
 
 impl Places {
     /// The soles of a robot, as readers of logs take them.
-    pub fn of(robot: &Arc<Robot>, snapping: Snapping) -> Arc<dyn Soles> {
+    pub(crate) fn of(robot: &Arc<Robot>, snapping: Snapping) -> Arc<dyn Soles> {
         Arc::new(Places {
             robot: Arc::clone(robot),
             snapping,
@@ -335,7 +335,7 @@ pub(crate) fn tell_contacts(data: &mut Postures, model: &Model, other: &OtherFoo
 }
 
 /// A warning where the readings are those of one foot.
-pub fn of_one_foot(model: &Model, other: &OtherFoot, data: &Postures) -> Option<String> {
+pub(crate) fn of_one_foot(model: &Model, other: &OtherFoot, data: &Postures) -> Option<String> {
     let remedy = format!(
         "on two feet log the CoP of both together, (F₁ p₁ + F₂ p₂) / (F₁ + F₂), in the frame of \
          `{}`",

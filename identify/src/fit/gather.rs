@@ -34,7 +34,7 @@ pub use sesc_model::DataUsed as LogUsed;
 mod fold;
 mod merge;
 
-pub use fold::Fold;
+pub(super) use fold::Fold;
 use fold::Goal;
 pub(super) use fold::{Work, fold_in};
 

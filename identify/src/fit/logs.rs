@@ -60,7 +60,7 @@ impl<'r> Logs<'r> {
     /// # Errors
     /// Whatever is wrong with a log, its sidecar or its support; the kind `Interrupted` where
     /// `watch` stops it.
-    pub fn read(
+    pub(super) fn read(
         request: &'r Request,
         robot: Arc<Robot>,
         (support, folds): (Option<String>, Option<usize>),
@@ -114,7 +114,7 @@ impl<'r> Logs<'r> {
     ///
     /// # Errors
     /// A support that the robot does not have.
-    pub fn measurement(&self) -> Result<Measurement<'_>, Error> {
+    pub(super) fn measurement(&self) -> Result<Measurement<'_>, Error> {
         Measurement::new(&self.robot, &self.support, self.request.snapping)
     }
 
@@ -122,7 +122,10 @@ impl<'r> Logs<'r> {
     ///
     /// # Errors
     /// Whatever is wrong with a log, its sidecar or its support.
-    pub fn gather(&mut self, watch: &mut dyn Watch) -> Result<(Vec<String>, Gathered), Error> {
+    pub(super) fn gather(
+        &mut self,
+        watch: &mut dyn Watch,
+    ) -> Result<(Vec<String>, Gathered), Error> {
         let (request, robot) = (self.request, Arc::clone(&self.robot));
         let mut measurement = Measurement::new(&robot, &self.support, request.snapping)?;
         let masses = self.masses(measurement.model())?;
@@ -272,7 +275,7 @@ impl<'r> Logs<'r> {
     ///
     /// # Errors
     /// A log that cannot be read once more.
-    pub fn moving(&self) -> impl Iterator<Item = Result<(&Samples, Moving), Error>> {
+    pub(super) fn moving(&self) -> impl Iterator<Item = Result<(&Samples, Moving), Error>> {
         self.samples.iter().enumerate().map(|(k, samples)| {
             let plan = self.timings.get(k).and_then(|timing| timing.plan.clone());
             let moving = Moving::new(samples.rows()?, samples.dof(), plan, Wanted::Smooth);

@@ -40,7 +40,7 @@ const ROOM: f64 = 0.1;
 /// own, CoMs to half a metre.
 const WEAK: f64 = 100.0;
 /// A link keeps at least this part of the mass CAD gives it.
-pub const FLOOR: f64 = 0.01;
+pub(crate) const FLOOR: f64 = 0.01;
 /// A link that must get mass though CAD gives it none may weigh this part of the mean link.
 const NEW_LINK: f64 = 0.1;
 /// Links with a mass whose masses are searched, at most: four unknowns each, and matrices of all
@@ -50,7 +50,7 @@ const MOST_LINKS: usize = 1000;
 const NEW_SPREAD: f64 = 0.05;
 
 /// Masses and first moments of all links around CAD, in units of its tolerances.
-pub struct Space<'m> {
+pub(crate) struct Space<'m> {
     model: &'m Model,
     cad: DVector<f64>,
     /// D S: 4 per link × unknowns.
@@ -82,7 +82,7 @@ impl<'m> Space<'m> {
     ///
     /// # Errors
     /// Why masses of so many links are not searched.
-    pub fn new(model: &'m Model, tolerances: &Tolerances) -> Result<Space<'m>, String> {
+    pub(crate) fn new(model: &'m Model, tolerances: &Tolerances) -> Result<Space<'m>, String> {
         let count = model.tree.links.iter().filter(|l| l.mass > 0.0).count();
         if count > MOST_LINKS {
             return Err(format!(
@@ -131,17 +131,22 @@ impl<'m> Space<'m> {
     }
 
     /// W D S: what the unknowns do to the base parameters.
-    pub fn to_base(&self) -> DMatrix<f64> {
+    pub(crate) fn to_base(&self) -> DMatrix<f64> {
         &self.map * &self.spread
     }
 
     /// Base parameters of θ.
-    pub fn base(&self, theta: &DVector<f64>) -> DVector<f64> {
+    pub(crate) fn base(&self, theta: &DVector<f64>) -> DVector<f64> {
         &self.map * theta
     }
 
     /// Best `v` of ‖data‖² + ‖v‖² under the bounds.
-    pub fn best(&self, data: Linear, equal: Linear, limits: &Limits) -> Result<Masses, NoAnswer> {
+    pub(crate) fn best(
+        &self,
+        data: Linear,
+        equal: Linear,
+        limits: &Limits,
+    ) -> Result<Masses, NoAnswer> {
         let (rows, n) = data.matrix.shape();
         let mut squares = Linear {
             matrix: data.matrix.insert_rows(rows, n, 0.0),
@@ -178,7 +183,11 @@ impl<'m> Space<'m> {
     }
 
     /// Masses nearest to CAD that give the base parameters `params`.
-    pub fn nearest(&self, params: &DVector<f64>, limits: &Limits) -> Result<Masses, NoAnswer> {
+    pub(crate) fn nearest(
+        &self,
+        params: &DVector<f64>,
+        limits: &Limits,
+    ) -> Result<Masses, NoAnswer> {
         let equal = Linear {
             matrix: self.to_base(),
             right: params - self.base(&self.cad),
@@ -225,7 +234,7 @@ impl<'m> Space<'m> {
 ///
 /// # Errors
 /// When there are none: with the link that would get a negative mass.
-pub fn nearest(
+pub(crate) fn nearest(
     model: &Model,
     tolerances: &Tolerances,
     params: &DVector<f64>,
@@ -341,7 +350,7 @@ impl Masses {
 ///
 /// # Errors
 /// When the search does not converge.
-pub fn constrain(
+pub(crate) fn constrain(
     model: &Model,
     factor: &Factor,
     sigma: f64,
@@ -380,7 +389,7 @@ pub fn constrain(
 /// frame, its joints and CAD's CoM, and on each side as much again (`ROOM` at least).
 /// Without it a mass of nothing could sit in the next town.
 #[derive(Debug, Clone, Default)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Extent of each link in document order, and what it is around, in words.
     boxes: Vec<(Extent, &'static str)>,
 }
@@ -390,7 +399,7 @@ impl Limits {
     ///
     /// # Errors
     /// When its text cannot be read.
-    pub fn of(robot: &Robot) -> Result<Limits, crate::Error> {
+    pub(crate) fn of(robot: &Robot) -> Result<Limits, crate::Error> {
         let extents = urdf::extents(&robot.description);
         let extents = extents.map_err(sesc_model::Error::from)?;
         let mut limits = Limits::generous(robot);
@@ -405,7 +414,7 @@ impl Limits {
     }
 
     /// Generous ones for every link.
-    pub fn generous(robot: &Robot) -> Limits {
+    pub(crate) fn generous(robot: &Robot) -> Limits {
         let description = &robot.description;
         let boxes = description.links.iter().map(|link| {
             let frame = Extent {
@@ -430,7 +439,7 @@ impl Limits {
     }
 
     /// Where the CoM of link `k` can be, and what that is around, in words.
-    pub fn extent(&self, k: usize) -> Option<&(Extent, &'static str)> {
+    pub(crate) fn extent(&self, k: usize) -> Option<&(Extent, &'static str)> {
         self.boxes.get(k)
     }
 }

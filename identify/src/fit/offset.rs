@@ -24,7 +24,7 @@ use crate::{Error, Setting, message};
 
 /// Deviations of an offset that are tried, m: a frame that is a little off, and a plate's corner.
 /// Chosen: as the offsets of eight recordings, 9 to 51 mm; wider ones cost evidence.
-pub const STD_M: [f64; 2] = [0.003, 0.03];
+pub(crate) const STD_M: [f64; 2] = [0.003, 0.03];
 
 /// Deviations that are tried where a request asks for one: none where that is zero.
 ///
@@ -121,7 +121,7 @@ pub(super) fn left_about(model: &Model, rows: &Factor, cad: &DVector<f64>) -> f6
 
 impl Wide {
     /// The likeliest of some deviations of an offset, where one is by far likelier than none.
-    pub fn chosen(
+    pub(super) fn chosen(
         model: &Model,
         rows: &Fold,
         sigma: f64,
@@ -149,7 +149,7 @@ impl Wide {
 
     /// The parameters of masses alone, with the offset beside them, where `estimate` is of both
     /// together.
-    pub fn split(
+    pub(super) fn split(
         &self,
         estimate: &Estimate,
         factor: &Factor,
@@ -187,7 +187,7 @@ impl Wide {
     /// ```text
     /// (σ_o R E  R; 1  0) = Q T        T without its first two rows and columns
     /// ```
-    pub fn rows_of_masses(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
+    pub(super) fn rows_of_masses(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         let (n, p) = rows.shape();
         let mut both = DMatrix::zeros(n + 2, p + 2);
         both.view_mut((0, 2), (n, p)).copy_from(rows);

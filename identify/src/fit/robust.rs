@@ -34,7 +34,7 @@ pub struct Robust {
 }
 
 /// Median of the length of a pair of unit normals: √(2 ln 2).
-pub const MEDIAN_OF_PAIRS: f64 = 1.177_410_022_515_474_6;
+pub(super) const MEDIAN_OF_PAIRS: f64 = 1.177_410_022_515_474_6;
 
 impl Robust {
     /// Mean square of weighted residuals over that of the weights, of normal noise:
@@ -64,7 +64,7 @@ impl Robust {
 }
 
 /// ‖residual / σ‖ of every posture.
-pub fn lengths<'a>(
+pub(super) fn lengths<'a>(
     rows: &'a Rows,
     std: &'a [[f64; 2]],
     params: &DVector<f64>,

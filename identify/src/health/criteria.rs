@@ -144,28 +144,28 @@ pub(super) const BEYOND_SOLE: f64 = 0.1;
 pub(super) mod weight {
     /// Half a window over which a total force is averaged, s. Chosen: what a step adds to it is
     /// over; half of it takes accelerations that CAD does not have for loads.
-    pub const HALF_S: f64 = 0.5;
+    pub(crate) const HALF_S: f64 = 0.5;
     /// Shorter windows have no second difference, s: a position that is off by 0.1 mm is then one of
     /// 0.04 m/s² (closed form).
-    pub const SHORTEST_S: f64 = 0.1;
+    pub(crate) const SHORTEST_S: f64 = 0.1;
     /// Rows that are further apart follow no other, s. Chosen: five of them make a window.
-    pub const APART_S: f64 = 0.25;
+    pub(crate) const APART_S: f64 = 0.25;
     /// Something else carries this part of the weight. Chosen: sensors drift by less; the recorded
     /// fall of a robot of 217 N takes 20 N from its plate; twice as much overlooks a hand.
-    pub const HELD: f64 = 0.08;
+    pub(crate) const HELD: f64 = 0.08;
     /// … and this many deviations of a row's force. Closed form: one row of 30,000 by chance.
-    pub const NOISE: f64 = 4.0;
+    pub(crate) const NOISE: f64 = 4.0;
     /// Stretches whose means tell the scatter of a force that drifts. Chosen: the scatter is then
     /// known to a quarter (closed form).
-    pub const STRETCHES: usize = 10;
+    pub(crate) const STRETCHES: usize = 10;
     /// Scale of a force plate, and of what it stands on. Chosen: makers state 0.2 to 1 %; twice as
     /// much knows a payload half as well.
-    pub const PLATE: f64 = 0.005;
+    pub(crate) const PLATE: f64 = 0.005;
     /// Two levels are further apart than this part of the weight. Chosen: a plate drifts by less.
-    pub const CLEARLY: f64 = 0.03;
+    pub(crate) const CLEARLY: f64 = 0.03;
     /// … and than this many deviations of both. Closed form: halves of a normal distribution are
     /// 1.9 of them apart, of an even one 2.4, of a sine 2.9.
-    pub const LEVELS_APART: f64 = 4.0;
+    pub(crate) const LEVELS_APART: f64 = 4.0;
     /// Rounds in which the middle between two levels settles. Chosen: it costs time.
-    pub const LEVELS: usize = 4;
+    pub(crate) const LEVELS: usize = 4;
 }

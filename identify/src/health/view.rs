@@ -27,7 +27,7 @@ pub(super) struct On<'a> {
 }
 
 impl<'a> On<'a> {
-    pub fn new((robot, model): (&'a Robot, &'a Model), snapping: Snapping) -> On<'a> {
+    pub(super) fn new((robot, model): (&'a Robot, &'a Model), snapping: Snapping) -> On<'a> {
         On {
             robot,
             model,
@@ -50,7 +50,7 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    pub fn new(on: On<'a>, data: Postures) -> View<'a> {
+    pub(super) fn new(on: On<'a>, data: Postures) -> View<'a> {
         let com = Evaluator::new(on.model, Function::Com).run(&data.q, data.len());
         let known = |std: f64| if std.is_nan() { UNKNOWN_NOISE_M } else { std };
         let std = |k: usize| column(&data.std, 2, k).into_iter().map(known).collect();
@@ -65,7 +65,7 @@ impl<'a> View<'a> {
     }
 
     /// Some of the postures, evenly chosen: as many as are looked at under every wiring.
-    pub fn few(&self) -> View<'a> {
+    pub(super) fn few(&self) -> View<'a> {
         let mut keep = vec![false; self.len()];
         for k in evenly(0..self.len(), 300) {
             keep[k] = true;
@@ -75,22 +75,22 @@ impl<'a> View<'a> {
         View::new(self.on, data)
     }
 
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.data.len()
     }
 
     /// Positions of one joint.
-    pub fn joint(&self, joint: usize) -> Vec<f64> {
+    pub(super) fn joint(&self, joint: usize) -> Vec<f64> {
         column(&self.data.q, self.on.model.dof(), joint)
     }
 
     /// Distance of the readings from a CoP, m RMS.
-    pub fn gap(&self, cop: &Cop) -> f64 {
+    pub(super) fn gap(&self, cop: &Cop) -> f64 {
         rms((0..2).flat_map(|k| self.reading[k].iter().zip(&cop[k]).map(|(y, p)| y - p)))
     }
 
     /// The same squared, variances of the noise a reading.
-    pub fn chi2(&self, cop: &Cop) -> f64 {
+    pub(super) fn chi2(&self, cop: &Cop) -> f64 {
         let axis = |k: usize| {
             let gaps = self.reading[k].iter().zip(&cop[k]).zip(&self.std[k]);
             gaps.map(|((y, p), std)| (y - p) / std)
@@ -101,7 +101,7 @@ impl<'a> View<'a> {
     /// CoP by CAD under every wiring, that of the log first, and whether angles are in the log's unit. Each
     /// is made when it is asked for: exchanges of two joints are joints², and their joint positions
     /// joints³.
-    pub fn wired(&self) -> impl ExactSizeIterator<Item = (bool, Cop)> + '_ {
+    pub(super) fn wired(&self) -> impl ExactSizeIterator<Item = (bool, Cop)> + '_ {
         let model = self.on.model;
         let context = EffectContext::new(model, &[], false, Catalog::standard());
         let com = Evaluator::new(model, Function::Com).fastest();
@@ -131,14 +131,14 @@ impl<'a> View<'a> {
     }
 
     /// One axis of the readings beside what CAD says.
-    pub fn beside_cad(&self, axis: usize) -> Picture {
+    pub(super) fn beside_cad(&self, axis: usize) -> Picture {
         let title = ["CoP x, mm", "CoP y, mm"][axis];
         let both = |k: usize| [&self.cad, &self.reading].map(|cop| 1e3 * cop[axis][k]);
         self.of_two(title, both, ["CAD", "reading"])
     }
 
     /// Distance of the readings from CAD's CoP as they should be meant, and as they are.
-    pub fn distances(&self, meant: &Cop, marks: [&str; 2]) -> Picture {
+    pub(super) fn distances(&self, meant: &Cop, marks: [&str; 2]) -> Picture {
         let from = |cop: &Cop, k: usize| {
             let gap = |axis: usize| self.reading[axis][k] - cop[axis][k];
             1e3 * gap(0).hypot(gap(1))
@@ -157,7 +157,7 @@ impl<'a> View<'a> {
     }
 
     /// A posture as figures show it.
-    pub fn row(&self, k: usize) -> Row {
+    pub(super) fn row(&self, k: usize) -> Row {
         Row::among(&self.data.pose, &self.data.q, k)
     }
 }

@@ -71,7 +71,7 @@ pub(super) struct Assembler {
 }
 
 impl Assembler {
-    pub fn new(
+    pub(super) fn new(
         columns: Columns,
         dofs: &[Dof],
         sidecar: &Sidecar,
@@ -139,7 +139,7 @@ impl Assembler {
     }
 
     /// The other sole, where sensors of two feet stand on it and the support of all rows.
-    pub fn other_sole(&self) -> Option<String> {
+    pub(super) fn other_sole(&self) -> Option<String> {
         let said = self.options.both_feet.or(self.sidecar.both_feet);
         let support = self.support_of_all()?;
         let place = |(name, sensor): (&String, &Sensor)| self.place([&support, name], sensor).ok();
@@ -166,7 +166,7 @@ impl Assembler {
 
     /// Look at the first rows for what holds for all: which columns have values, whether rows
     /// are means, which way forces are counted, and whether the CoP is in metres. Gives what is odd.
-    pub fn look(&mut self, raw: &Raw) -> Result<Vec<String>, Error> {
+    pub(super) fn look(&mut self, raw: &Raw) -> Result<Vec<String>, Error> {
         let turned = self.find_signs(raw);
         self.find_unused(raw);
         let rows = typical_run(&raw.pose).max(1) as f64;
@@ -253,7 +253,7 @@ impl Assembler {
     }
 
     /// Bring rows to SI units; columns without a value cost no row.
-    pub fn scale(&self, raw: &mut Raw) {
+    pub(super) fn scale(&self, raw: &mut Raw) {
         for (own, values) in self.columns.numbers.iter().zip(&mut raw.numbers) {
             if own.factor != 1.0 {
                 values.iter_mut().for_each(|x| *x *= own.factor);
@@ -265,7 +265,7 @@ impl Assembler {
     ///
     /// # Errors
     /// A log of which no row is left.
-    pub fn conclude(&self, rows: u64) -> Result<Vec<String>, Error> {
+    pub(super) fn conclude(&self, rows: u64) -> Result<Vec<String>, Error> {
         let mut said = Vec::new();
         let unused = self.columns.numbers.iter().filter(|own| !own.is_needed);
         let unused: Vec<&String> = unused.map(|own| &own.name).collect();
@@ -296,18 +296,18 @@ impl Assembler {
     }
 
     /// The support of all rows, where none has its own.
-    pub fn support_of_all(&self) -> Option<Arc<str>> {
+    pub(super) fn support_of_all(&self) -> Option<Arc<str>> {
         let own = self.columns.support.is_some();
         self.support.clone().filter(|_| !own)
     }
 
     /// See [`super::PostureReader::averaged`].
-    pub fn averaged(&self) -> f64 {
+    pub(super) fn averaged(&self) -> f64 {
         1.0 - self.shrink * self.shrink
     }
 
     /// Append rows of `raw` to `block`.
-    pub fn append(
+    pub(super) fn append(
         &mut self,
         raw: &Raw,
         rows: Range<usize>,

@@ -217,7 +217,7 @@ pub(super) struct Share {
 impl Share {
     /// The CoP of both contacts in the newest row of a block, which is told of the other one: `own`
     /// is what the support's adds to it, m; `links` are the support and the other sole.
-    pub fn join(
+    pub(super) fn join(
         &self,
         (soles, [from, of]): (&dyn Soles, [&str; 2]),
         own: [f64; 2],

@@ -31,11 +31,11 @@ pub(super) struct Bound {
 
 impl Bound {
     /// Any finite value.
-    pub const ANY: Bound = Bound::within(f64::MAX, "");
-    pub const COP: Bound = Bound::within(1e6, "m");
-    pub const FORCE: Bound = Bound::within(1e9, "N");
+    pub(super) const ANY: Bound = Bound::within(f64::MAX, "");
+    pub(super) const COP: Bound = Bound::within(1e6, "m");
+    pub(super) const FORCE: Bound = Bound::within(1e9, "N");
 
-    pub const fn within(most: f64, unit: &'static str) -> Bound {
+    pub(super) const fn within(most: f64, unit: &'static str) -> Bound {
         Bound {
             least: -most,
             most,
@@ -44,14 +44,14 @@ impl Bound {
     }
 
     /// Deviations of such values, which are positive.
-    pub const fn of_deviation(self) -> Bound {
+    pub(super) const fn of_deviation(self) -> Bound {
         Bound {
             least: f64::MIN_POSITIVE,
             ..self
         }
     }
 
-    pub fn joint(dof: &Dof, any_unit: bool) -> Bound {
+    pub(super) fn joint(dof: &Dof, any_unit: bool) -> Bound {
         if dof.prismatic {
             return Bound::within(1e6, "m");
         }
@@ -63,12 +63,12 @@ impl Bound {
         Bound::within(reach.min(ANGLE_RAD), "rad")
     }
 
-    pub fn holds(&self, value: f64) -> bool {
+    pub(super) fn holds(&self, value: f64) -> bool {
         self.least <= value && value <= self.most
     }
 
     /// Whether a value is one that can be meant, with its column and a remedy where it is not.
-    pub fn check(&self, name: &str, value: f64) -> Result<(), Message> {
+    pub(super) fn check(&self, name: &str, value: f64) -> Result<(), Message> {
         let said = if !value.is_finite() {
             format!("{value:?} is not finite; remove the row or mend the value")
         } else if self.holds(value) {

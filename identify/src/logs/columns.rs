@@ -151,7 +151,7 @@ pub(super) struct Columns {
 impl Columns {
     /// Match the names of a log with the robot's joints. The error is the
     /// message without the file.
-    pub fn of(
+    pub(super) fn of(
         header: &[String],
         dofs: &[Dof],
         (options, angles): (&Options, Angles),
@@ -357,7 +357,7 @@ impl Columns {
     }
 
     /// Whether rows carry readings.
-    pub fn readings(&self) -> bool {
+    pub(super) fn readings(&self) -> bool {
         self.cop.is_some() || !self.cells.is_empty() || !self.sensors.is_empty()
     }
 }

@@ -70,7 +70,7 @@ impl Row {
 
 impl CsvSource {
     /// Start reading; `head` are the bytes that were taken from `input` already.
-    pub fn open(head: Vec<u8>, input: Metered) -> Result<CsvSource, Error> {
+    pub(super) fn open(head: Vec<u8>, input: Metered) -> Result<CsvSource, Error> {
         let meter = input.clone();
         let packed = head.starts_with(&[0x1f, 0x8b]);
         let mut input: Box<dyn Read + Send> = Box::new(Cursor::new(head).chain(input));

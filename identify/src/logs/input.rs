@@ -216,7 +216,7 @@ impl Metered {
     ///
     /// # Errors
     /// A file that cannot be opened, as [`Error::of_log`] completes it.
-    pub fn open(place: &Place) -> Result<Metered, Error> {
+    pub(super) fn open(place: &Place) -> Result<Metered, Error> {
         let (stream, total): (Stream, _) = match place {
             Place::File(path) => {
                 let file = File::open(path).map_err(Error::unread)?;
@@ -237,11 +237,11 @@ impl Metered {
         self.read.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub fn progress(&self) -> (u64, Option<u64>) {
+    pub(super) fn progress(&self) -> (u64, Option<u64>) {
         (self.state().1, self.total)
     }
 
-    pub fn hash(&self) -> u64 {
+    pub(super) fn hash(&self) -> u64 {
         self.state().2.finish()
     }
 }

@@ -120,7 +120,7 @@ pub(super) struct StillnessLimits {
 
 impl StillnessLimits {
     /// Stretches of at least so many seconds.
-    pub fn lasting(duration: f64) -> StillnessLimits {
+    pub(super) fn lasting(duration: f64) -> StillnessLimits {
         StillnessLimits {
             speed: 0.02,
             duration,
@@ -128,7 +128,7 @@ impl StillnessLimits {
     }
 
     /// What is said of a log in which nothing is held.
-    pub fn nothing(self) -> String {
+    pub(super) fn nothing(self) -> String {
         format!(
             "no posture is held: no stretch of {} s in which every joint stays below {} rad/s",
             self.duration, self.speed

@@ -26,7 +26,7 @@ pub(super) struct Raw {
 
 impl Raw {
     /// No rows yet, of these columns.
-    pub fn new(columns: &Columns) -> Raw {
+    pub(super) fn new(columns: &Columns) -> Raw {
         Raw {
             numbers: vec![Vec::new(); columns.numbers.len()],
             ..Raw::default()
@@ -34,7 +34,7 @@ impl Raw {
     }
 
     /// The numbers of a row.
-    pub fn row(&self, row: usize) -> impl Iterator<Item = f64> {
+    pub(super) fn row(&self, row: usize) -> impl Iterator<Item = f64> {
         self.numbers.iter().map(move |column| column[row])
     }
 
@@ -42,7 +42,7 @@ impl Raw {
     ///
     /// # Errors
     /// The first row whose pose is not whole.
-    pub fn poses(&mut self, line: u64, values: Vec<f64>) -> Result<(), Error> {
+    pub(super) fn poses(&mut self, line: u64, values: Vec<f64>) -> Result<(), Error> {
         for (line, value) in (line..).zip(values) {
             let pose = whole(value).map_err(|said| Error::row(Some(line), said))?;
             self.pose.push(pose);

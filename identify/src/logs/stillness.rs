@@ -55,7 +55,7 @@ struct Current<R> {
 }
 
 impl<R> StillnessCutter<R> {
-    pub fn new(stillness: StillnessLimits) -> StillnessCutter<R> {
+    pub(super) fn new(stillness: StillnessLimits) -> StillnessCutter<R> {
         StillnessCutter {
             stillness,
             now: None,
@@ -65,7 +65,7 @@ impl<R> StillnessCutter<R> {
 
     /// All joints at time `t`, and the fastest velocity that was measured;
     /// gives back the posture that ended.
-    pub fn state(&mut self, t: f64, q: &[f64], speed: f64) -> Option<Posture<R>> {
+    pub(super) fn state(&mut self, t: f64, q: &[f64], speed: f64) -> Option<Posture<R>> {
         let StillnessLimits {
             speed: limit,
             duration,
@@ -89,7 +89,7 @@ impl<R> StillnessCutter<R> {
 
     /// Joints and a reading of one moment; gives back the posture that ended, or a part of one
     /// that has grown long.
-    pub fn row(&mut self, t: f64, q: &[f64], reading: R) -> Option<Posture<R>> {
+    pub(super) fn row(&mut self, t: f64, q: &[f64], reading: R) -> Option<Posture<R>> {
         let ended = self.state(t, q, 0.0);
         let part = self.reading(reading);
         if let Some(now) = &mut self.now {
@@ -99,12 +99,12 @@ impl<R> StillnessCutter<R> {
     }
 
     /// The first reading of the stretch that has not ended.
-    pub fn first(&self) -> Option<&R> {
+    pub(super) fn first(&self) -> Option<&R> {
         self.now.as_ref()?.readings.first()
     }
 
     /// A reading; gives back a part of a posture that has grown long.
-    pub fn reading(&mut self, reading: R) -> Option<Posture<R>> {
+    pub(super) fn reading(&mut self, reading: R) -> Option<Posture<R>> {
         let now = self.now.as_mut()?;
         now.readings.push(reading);
         if now.readings.len() < MOST {
@@ -120,7 +120,7 @@ impl<R> StillnessCutter<R> {
     }
 
     /// The recording or the posture ends.
-    pub fn end(&mut self) -> Option<Posture<R>> {
+    pub(super) fn end(&mut self) -> Option<Posture<R>> {
         let mut now = self.now.take()?;
         now.is_held(self.stillness).then(|| {
             self.next_pose = now.pose + 1;
@@ -207,7 +207,7 @@ pub(super) struct Settling {
 impl Settling {
     /// Stays in a log of `dof` joints; where `alone` says of how many seconds at least, without the
     /// rows between them.
-    pub fn new(dof: usize, alone: Option<f64>) -> Settling {
+    pub(super) fn new(dof: usize, alone: Option<f64>) -> Settling {
         let limits = alone.map_or(STAYED, StillnessLimits::lasting);
         Settling {
             dof,
@@ -224,7 +224,7 @@ impl Settling {
     }
 
     /// The next rows of the log, which has ended where there are none.
-    pub fn push(&mut self, block: Block) {
+    pub(super) fn push(&mut self, block: Block) {
         if block.is_empty() {
             let ended = self.cutter.end();
             self.keep(ended);
@@ -251,7 +251,7 @@ impl Settling {
     ///
     /// # Errors
     /// What is said of a log without stays, where they alone were asked for.
-    pub fn take(&mut self, count: usize) -> Result<Option<Block>, String> {
+    pub(super) fn take(&mut self, count: usize) -> Result<Option<Block>, String> {
         let open = self.cutter.first().filter(|_| !self.ended);
         let decided = open.map_or(self.held.len(), |open| open - self.first);
         while self.given < decided {

@@ -119,7 +119,7 @@ impl Joint {
 }
 
 impl Suspicions {
-    pub fn new(dofs: &[Dof], angles: Angles) -> Suspicions {
+    pub(super) fn new(dofs: &[Dof], angles: Angles) -> Suspicions {
         Suspicions {
             joints: dofs.iter().map(Joint::new).collect(),
             per_rad: match angles {
@@ -133,7 +133,7 @@ impl Suspicions {
     }
 
     /// Take note of some rows.
-    pub fn see(&mut self, block: &Block) {
+    pub(super) fn see(&mut self, block: &Block) {
         for [x, y] in block.reading.iter().flatten() {
             self.readings += 1;
             self.reach += (x * x + y * y).sqrt();
@@ -158,7 +158,7 @@ impl Suspicions {
     }
 
     /// What was noticed.
-    pub fn judge(&self) -> Vec<Message> {
+    pub(super) fn judge(&self) -> Vec<Message> {
         let backwards = self.backwards.map(|line| {
             format!("row {line}: `{T}` runs backwards; sort the log by time if it is one motion")
         });

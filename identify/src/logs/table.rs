@@ -119,7 +119,7 @@ pub(super) struct TableSource {
 }
 
 impl TableSource {
-    pub fn open(table: &Arc<Table>) -> Result<TableSource, Error> {
+    pub(super) fn open(table: &Arc<Table>) -> Result<TableSource, Error> {
         let rows = table.columns.first().map_or(0, Values::rows);
         let mut named = table.header.iter().zip(&table.columns);
         if let Some((name, column)) = named.find(|(_, column)| column.rows() != rows) {

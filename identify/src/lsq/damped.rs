@@ -12,10 +12,10 @@ use nalgebra::{DMatrix, DVector};
 /// Curvature that every unknown has, in units of its size: ε.
 const RIDGE: f64 = 1e-9;
 /// A sum of squares that falls by less than this (of χ²) is settled.
-pub const SETTLED: f64 = 1e-3;
+pub(crate) const SETTLED: f64 = 1e-3;
 
 /// A sum of squares near some unknowns.
-pub struct Expansion<T> {
+pub(crate) struct Expansion<T> {
     /// The unknowns.
     pub unknowns: Vec<f64>,
     /// F there.
@@ -30,7 +30,7 @@ pub struct Expansion<T> {
 
 /// The least sum of squares that descent from `start` finds; `sizes` are the
 /// ordinary sizes of the unknowns.
-pub fn minimise<T>(
+pub(crate) fn minimise<T>(
     start: Expansion<T>,
     sizes: &[f64],
     expand: impl Fn(Vec<f64>) -> Expansion<T>,
@@ -72,7 +72,7 @@ pub fn minimise<T>(
 }
 
 /// Covariance of the unknowns, (H + ε D⁻²)⁻¹; zero where H is not finite.
-pub fn covariance(normal: &DMatrix<f64>, sizes: &[f64]) -> DMatrix<f64> {
+pub(crate) fn covariance(normal: &DMatrix<f64>, sizes: &[f64]) -> DMatrix<f64> {
     let p = sizes.len();
     let mut normal = normal.clone();
     for (k, size) in sizes.iter().enumerate() {

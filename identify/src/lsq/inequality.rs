@@ -31,14 +31,14 @@ const SLACK: f64 = 1e-11;
 
 /// `matrix · v` against `right`.
 #[derive(Debug, Clone)]
-pub struct Linear {
+pub(crate) struct Linear {
     pub matrix: DMatrix<f64>,
     pub right: DVector<f64>,
 }
 
 impl Linear {
     /// No rows over `columns` unknowns.
-    pub fn none(columns: usize) -> Linear {
+    pub(crate) fn none(columns: usize) -> Linear {
         Linear {
             matrix: DMatrix::zeros(0, columns),
             right: DVector::zeros(0),
@@ -74,7 +74,7 @@ impl Linear {
 
 /// A problem of this kind.
 #[derive(Debug, Clone)]
-pub struct ConstrainedProblem {
+pub(crate) struct ConstrainedProblem {
     pub squares: Linear,
     pub equal: Linear,
     pub at_most: Linear,
@@ -82,7 +82,7 @@ pub struct ConstrainedProblem {
 
 /// Its answer.
 #[derive(Debug, Clone)]
-pub struct Answer {
+pub(crate) struct Answer {
     pub v: DVector<f64>,
     /// Inequalities that hold as equations, by index.
     pub active: Vec<usize>,
@@ -90,7 +90,7 @@ pub struct Answer {
 
 /// Why there is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoAnswer {
+pub(crate) enum NoAnswer {
     /// The equations contradict each other.
     Contradiction,
     /// No point satisfies equations and inequalities.
@@ -104,7 +104,7 @@ impl ConstrainedProblem {
     ///
     /// # Errors
     /// When there is none, or none was found.
-    pub fn solve(&self) -> Result<Answer, NoAnswer> {
+    pub(crate) fn solve(&self) -> Result<Answer, NoAnswer> {
         let equal = independent(&self.equal.normalised())?;
         let below = self.at_most.normalised();
         let face = Face::of(&self.squares, &equal).ok_or(NoAnswer::Contradiction)?;
@@ -248,7 +248,7 @@ fn nearest(face: &Face, below: &Linear) -> Result<Vec<usize>, NoAnswer> {
 }
 
 /// u, or `None` where rounding keeps the search from an end.
-pub fn non_negative(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Option<DVector<f64>> {
+pub(crate) fn non_negative(matrix: &DMatrix<f64>, target: &DVector<f64>) -> Option<DVector<f64>> {
     let m = matrix.ncols();
     let mut u = DVector::zeros(m);
     let mut inside: Vec<usize> = Vec::new();

@@ -29,7 +29,7 @@ use super::factor::Factor;
 use crate::svd::svd;
 
 /// Singular values below this, relative to the largest, are not seen.
-pub const UNSEEN: f64 = 1e-10;
+pub(crate) const UNSEEN: f64 = 1e-10;
 
 /// What data and prior say together.
 #[derive(Debug, Clone)]
@@ -65,7 +65,7 @@ fn away(factor: &Factor, cad: &DVector<f64>) -> DVector<f64> {
 }
 
 /// What data and a prior say of the unknowns u.
-pub struct Posterior {
+pub(crate) struct Posterior {
     /// Their mean.
     pub mean: DVector<f64>,
     /// T with TᵀT the inverse of their covariance: the triangle of (R S / σ; 1).
@@ -76,21 +76,26 @@ pub struct Posterior {
 
 impl Posterior {
     /// Root of the covariance of s u.
-    pub fn spread(&self, s: &DMatrix<f64>) -> DMatrix<f64> {
+    pub(crate) fn spread(&self, s: &DMatrix<f64>) -> DMatrix<f64> {
         let half = self.triangle.tr_solve_upper_triangular(&s.transpose());
         half.unwrap_or_else(|| DMatrix::zeros(s.ncols(), s.nrows()))
             .transpose()
     }
 
     /// −2 log of the evidence of the prior, less what is the same for every prior.
-    pub fn evidence(&self) -> f64 {
+    pub(crate) fn evidence(&self) -> f64 {
         let log_det = self.triangle.diagonal().map(|x| x.abs().ln()).sum();
         2.0 * log_det - self.explained
     }
 }
 
 /// What data and a prior S about CAD say of u.
-pub fn with_prior(factor: &Factor, sigma: f64, cad: &DVector<f64>, s: &DMatrix<f64>) -> Posterior {
+pub(crate) fn with_prior(
+    factor: &Factor,
+    sigma: f64,
+    cad: &DVector<f64>,
+    s: &DMatrix<f64>,
+) -> Posterior {
     let (p, m) = s.shape();
     let mut stacked = DMatrix::zeros(p + m, m);
     stacked.rows_mut(0, p).copy_from(&(factor.r() * s / sigma));
@@ -107,7 +112,7 @@ pub fn with_prior(factor: &Factor, sigma: f64, cad: &DVector<f64>, s: &DMatrix<f
 }
 
 /// What rows see, and what they do not.
-pub struct Seen {
+pub(crate) struct Seen {
     /// Orthonormal columns, p × rank.
     basis: DMatrix<f64>,
     /// p × (p − rank)
@@ -118,7 +123,7 @@ pub struct Seen {
 impl Seen {
     /// Observable directions by the singular values of `plain`, less what `weighted` gives no
     /// weight at all.
-    pub fn by(plain: &Factor, weighted: &Factor) -> Seen {
+    pub(crate) fn by(plain: &Factor, weighted: &Factor) -> Seen {
         let p = plain.params();
         let svd = svd(plain.r(), false, true);
         let values = svd.singular_values;
@@ -160,7 +165,7 @@ impl Seen {
     }
 
     /// Estimate from rows over deviations of their own, as [`solve`] does.
-    pub fn solve(
+    pub(crate) fn solve(
         &self,
         factor: &Factor,
         sigma: f64,
@@ -206,7 +211,7 @@ impl Seen {
 
 /// What is known of directions that `S` has no column for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Beyond {
+pub(crate) enum Beyond {
     /// All: the parameters there are the prior's.
     Exact,
     /// Nothing: the prior is a wide one on the directions that data see.
@@ -214,7 +219,7 @@ pub enum Beyond {
 }
 
 /// The factor of `rows` (over their deviations) and of a prior with the factor `s`.
-pub fn information(rows: &DMatrix<f64>, s: &DMatrix<f64>, beyond: Beyond) -> Information {
+pub(crate) fn information(rows: &DMatrix<f64>, s: &DMatrix<f64>, beyond: Beyond) -> Information {
     let p = s.nrows();
     // As many columns as rows, so that U is complete.
     let mut square = DMatrix::zeros(p, p.max(s.ncols()));
@@ -251,7 +256,7 @@ pub fn information(rows: &DMatrix<f64>, s: &DMatrix<f64>, beyond: Beyond) -> Inf
 }
 
 /// The factor of `rows` alone, less the directions `unseen` (orthonormal columns).
-pub fn of_rows(rows: &DMatrix<f64>, unseen: &DMatrix<f64>) -> Information {
+pub(crate) fn of_rows(rows: &DMatrix<f64>, unseen: &DMatrix<f64>) -> Information {
     Information::of(&(rows - (rows * unseen) * unseen.transpose()))
 }
 

@@ -7,7 +7,7 @@ use super::criteria::approach::{LEAST_M, LEAST_RAD};
 /// The sides of all joints, row by row: the sign of the last move that is no noise of an encoder,
 /// 0 before the first.
 #[derive(Debug, Clone)]
-pub struct Approach {
+pub(crate) struct Approach {
     /// The least move of each joint that counts, rad or m.
     least: Vec<f64>,
     /// Where each joint was when its side was last told, rad or m.
@@ -17,7 +17,7 @@ pub struct Approach {
 
 impl Approach {
     /// Before the first row of a log of these joints.
-    pub fn of(joints: &[Dof]) -> Approach {
+    pub(crate) fn of(joints: &[Dof]) -> Approach {
         let least = joints.iter().map(|joint| match joint.prismatic {
             true => LEAST_M,
             false => LEAST_RAD,
@@ -30,7 +30,7 @@ impl Approach {
     }
 
     /// Sides at the next row, whose joints stand at `q`.
-    pub fn at(&mut self, q: &[f64]) -> &[f64] {
+    pub(crate) fn at(&mut self, q: &[f64]) -> &[f64] {
         if self.told_at.is_empty() {
             self.told_at = q.to_vec();
         }

@@ -29,13 +29,13 @@ use super::repeats::Group;
 use crate::logs::Block;
 
 /// Postures known at a time: some 45 MB for 20 joints.
-pub const MOST: usize = 200_000;
+pub(crate) const MOST: usize = 200_000;
 
 /// Repeated readings are of one posture up to this, rad or m: servos jitter.
 const JITTER: f32 = 0.02;
 
 /// Gravity where a log does not give it.
-pub const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
+pub(crate) const DOWN: [f64; 3] = [0.0, 0.0, -1.0];
 
 /// Postures among which those are looked for that are reached again, at most: longer logs are
 /// recordings.
@@ -354,7 +354,7 @@ fn direction(gravity: [f64; 3]) -> [f64; 2] {
 }
 
 /// What is said of `moved` rows.
-pub fn moved_sentence(moved: u64) -> String {
+pub(crate) fn moved_sentence(moved: u64) -> String {
     format!(
         "{moved} rows share the `pose` of an earlier row but not its joint positions: \
          taken as postures of their own"

@@ -12,7 +12,7 @@ use crate::Error;
 use crate::logs::{Block, PostureReader};
 
 /// Rows of a log for which one knows their motion where it has a plan for it.
-pub struct Moving {
+pub(crate) struct Moving {
     /// The rows themselves.
     pub log: PostureReader,
     dof: usize,
@@ -30,7 +30,12 @@ pub struct Moving {
 
 impl Moving {
     /// Read postures of a robot with `dof` joints; plain rows without a plan.
-    pub fn new(log: PostureReader, dof: usize, plan: Option<Plan>, wanted: Wanted) -> Moving {
+    pub(crate) fn new(
+        log: PostureReader,
+        dof: usize,
+        plan: Option<Plan>,
+        wanted: Wanted,
+    ) -> Moving {
         Moving {
             log,
             dof,
@@ -47,7 +52,7 @@ impl Moving {
     ///
     /// # Errors
     /// As [`PostureReader::block`].
-    pub fn planned(
+    pub(crate) fn planned(
         mut log: PostureReader,
         dof: usize,
         head: usize,
@@ -67,7 +72,7 @@ impl Moving {
     ///
     /// # Errors
     /// As [`PostureReader::block`].
-    pub fn rows(&mut self, rows: usize) -> Result<(Block, Option<Motion>), Error> {
+    pub(crate) fn rows(&mut self, rows: usize) -> Result<(Block, Option<Motion>), Error> {
         let block = match self.ahead.take() {
             Some(block) => block,
             None => self.log.block(rows)?,
@@ -89,7 +94,7 @@ impl Moving {
     ///
     /// # Errors
     /// As [`PostureReader::block`].
-    pub fn known_rows(&mut self, rows: usize) -> Result<(Block, Option<Motion>), Error> {
+    pub(crate) fn known_rows(&mut self, rows: usize) -> Result<(Block, Option<Motion>), Error> {
         loop {
             let (mut block, motion) = self.rows(rows)?;
             let Some(mut motion) = motion else {

@@ -20,13 +20,13 @@ use super::repeats::{self, LackOfFit};
 
 /// Stated deviations below this are taken for it, m: a row that weighs more would drown all others
 /// in rounding, and a noise of zero would leave nothing to weigh a prior against.
-pub const LEAST_STD: f64 = 1e-9;
+pub(crate) const LEAST_STD: f64 = 1e-9;
 /// Rounds of an estimate without odd values.
 const ROUNDS: usize = 10;
 
 /// What a fit without prior leaves over.
 #[derive(Debug, Clone, Copy)]
-pub struct FreeResiduals {
+pub(crate) struct FreeResiduals {
     /// Σ of squared residuals, in units of the rows' deviations (m² where none are stated).
     pub sum: f64,
     /// Its degrees of freedom.
@@ -81,7 +81,7 @@ pub struct Known {
 
 /// The noise of a row.
 #[derive(Debug, Clone, Copy)]
-pub struct Noise {
+pub(crate) struct Noise {
     /// In units of stated deviations; m where none are stated.
     pub sigma: f64,
     /// RMS over rows and axes, m.
@@ -108,7 +108,7 @@ impl Noise {
     /// Given, stated or repeated, in this order; larger where repeats scatter more and
     /// that is no chance. `None` where nothing is known. What a model leaves is no part of it:
     /// it is tested against it.
-    pub fn known(known: &Known) -> Option<Noise> {
+    pub(crate) fn known(known: &Known) -> Option<Noise> {
         let Known {
             given,
             stated,
@@ -136,7 +136,7 @@ impl Noise {
 
     /// From what a fit leaves, or from what CAD leaves where a fit of few rows leaves
     /// nothing.
-    pub fn left_over(left: FreeResiduals) -> Noise {
+    pub(crate) fn left_over(left: FreeResiduals) -> Noise {
         match left.df >= ROWS && left.sum > 0.0 {
             true => Noise::new((left.sum / left.df).sqrt(), left.df, NoiseSource::Residuals),
             false => Noise::new(
@@ -165,7 +165,7 @@ impl Noise {
     }
 
     /// That repeats scatter more than is stated, if they do.
-    pub fn warning(&self) -> Option<String> {
+    pub(crate) fn warning(&self) -> Option<String> {
         let times = self.understated;
         (times > 1.0).then(|| {
             format!("repeated readings scatter {times:.1} times as much as is stated; the scatter is taken")
@@ -174,7 +174,11 @@ impl Noise {
 
     /// Does the fit leave more than this noise? Tested with the degrees of freedom that the noise
     /// is known with.
-    pub fn lack_of_fit(&self, repeats: (f64, u64), left: FreeResiduals) -> Option<LackOfFit> {
+    pub(crate) fn lack_of_fit(
+        &self,
+        repeats: (f64, u64),
+        left: FreeResiduals,
+    ) -> Option<LackOfFit> {
         match self.source {
             NoiseSource::Residuals | NoiseSource::Unknown => None,
             NoiseSource::Repeats => repeats::lack_of_fit(left.sum, left.df, repeats),
@@ -186,7 +190,7 @@ impl Noise {
 }
 
 /// The value below which a part of values lies; the upper one of two in the middle.
-pub fn quantile(values: impl Iterator<Item = f64>, part: f64) -> Option<f64> {
+pub(crate) fn quantile(values: impl Iterator<Item = f64>, part: f64) -> Option<f64> {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);
     let at = part * (sorted.len() as f64 - 1.0);
@@ -199,7 +203,7 @@ pub fn quantile(values: impl Iterator<Item = f64>, part: f64) -> Option<f64> {
 /// ```text
 /// σ² = mean(x² | |x| < c σ) / (1 − 2 c φ(c) / (2Φ(c) − 1))
 /// ```
-pub fn scale(values: &[f64]) -> f64 {
+pub(crate) fn scale(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|x| x.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     let Some(median) = sizes.get(sizes.len() / 2) else {
@@ -219,7 +223,7 @@ pub fn scale(values: &[f64]) -> f64 {
 
 /// How many times wider than normal 95 % intervals those are whose noise was
 /// estimated with `df` degrees of freedom.
-pub fn widening(df: f64) -> f64 {
+pub(crate) fn widening(df: f64) -> f64 {
     const UPPER: f64 = 0.975;
     let normal = Normal::standard().inverse_cdf(UPPER);
     match StudentsT::new(0.0, 1.0, df) {

@@ -324,7 +324,7 @@ pub struct LackOfFit {
 }
 
 /// F test against repeated readings: sums of squares in the same units.
-pub fn lack_of_fit(residual_sum: f64, df: f64, repeats: (f64, u64)) -> Option<LackOfFit> {
+pub(crate) fn lack_of_fit(residual_sum: f64, df: f64, repeats: (f64, u64)) -> Option<LackOfFit> {
     let (pure, df_pure) = (repeats.0, repeats.1 as f64);
     let df_rest = df - df_pure;
     if !(df_pure >= 1.0 && df_rest >= 1.0 && pure > 0.0) {
@@ -341,7 +341,7 @@ pub fn lack_of_fit(residual_sum: f64, df: f64, repeats: (f64, u64)) -> Option<La
 }
 
 /// χ² test against stated deviations: `residual_sum` in units of their squares.
-pub fn against_stated(residual_sum: f64, df: f64) -> Option<LackOfFit> {
+pub(crate) fn against_stated(residual_sum: f64, df: f64) -> Option<LackOfFit> {
     let distribution = ChiSquared::new(df).ok().filter(|_| df >= 1.0)?;
     Some(LackOfFit {
         ratio: residual_sum / df,

@@ -18,7 +18,7 @@ use super::rows::CopRows;
 use crate::NextStep;
 
 /// Postures that are asked for.
-pub const COUNT: usize = 5;
+pub(crate) const COUNT: usize = 5;
 /// Rows closer in time than this are a recording, s: it has no postures to reach again.
 const RECORDING_S: f64 = 1.0;
 
@@ -98,7 +98,7 @@ impl Again {
 }
 
 /// `count` of the postures whose rows (two each) are spread widest, the widest first.
-pub fn spread(rows: &DMatrix<f64>, count: usize) -> Vec<usize> {
+pub(crate) fn spread(rows: &DMatrix<f64>, count: usize) -> Vec<usize> {
     let mut left = rows.clone();
     let postures = rows.nrows() / 2;
     let mut chosen: Vec<usize> = Vec::new();

@@ -25,12 +25,12 @@ use crate::logs::Block;
 use crate::robot::{Robot, check_joints};
 
 /// Tilt of the sole plane under `gravity`: the CoP moves by it times the CoM's height.
-pub fn tilt(gravity: [f64; 3]) -> [f64; 2] {
+pub(crate) fn tilt(gravity: [f64; 3]) -> [f64; 2] {
     [-gravity[0] / gravity[2], -gravity[1] / gravity[2]]
 }
 
 /// CoP rows of a robot on one link.
-pub struct CopRows {
+pub(crate) struct CopRows {
     params: usize,
     flat: Evaluator,
     /// Three rows per posture, where the sole is tilted.
@@ -39,7 +39,7 @@ pub struct CopRows {
 
 impl CopRows {
     /// Rows of the CoP for `model`.
-    pub fn new(model: &Model) -> CopRows {
+    pub(crate) fn new(model: &Model) -> CopRows {
         CopRows {
             params: model.base.params.len(),
             flat: Evaluator::new(model, Function::RegressorCop),
@@ -48,7 +48,7 @@ impl CopRows {
     }
 
     /// On the fastest instructions, to rounding the same.
-    pub fn fastest(self) -> CopRows {
+    pub(crate) fn fastest(self) -> CopRows {
         CopRows {
             flat: self.flat.fastest(),
             space: self.space.fastest(),
@@ -58,7 +58,7 @@ impl CopRows {
 
     /// x and y rows of `n` postures `q` by base parameters of this support, 2n × p;
     /// `tilt` of each posture ([`tilt`]), level where not given.
-    pub fn of(&self, q: &[f64], n: usize, tilt: Option<&[[f64; 2]]>) -> DMatrix<f64> {
+    pub(crate) fn of(&self, q: &[f64], n: usize, tilt: Option<&[[f64; 2]]>) -> DMatrix<f64> {
         self.rows(q, n, tilt).dense()
     }
 

@@ -21,7 +21,7 @@ type Row = (f64, [f64; 2]);
 
 /// Rows of the first stays.
 #[derive(Debug, Clone, Default)]
-pub struct Stays {
+pub(crate) struct Stays {
     /// The posture and the visit of each, and its rows.
     all: Vec<((usize, u32), Vec<Row>)>,
     rows: usize,
@@ -29,7 +29,7 @@ pub struct Stays {
 
 impl Stays {
     /// One row of the `visit`-th visit of posture `number`.
-    pub fn push(&mut self, stay: (usize, u32), t: f64, reading: [f64; 2]) {
+    pub(crate) fn push(&mut self, stay: (usize, u32), t: f64, reading: [f64; 2]) {
         let room = self.all.len() < STAYS && self.rows < ROWS;
         // One row is no stay.
         if self
@@ -51,7 +51,7 @@ impl Stays {
     }
 
     /// Correlation of each axis; `variance` is over the mean square about the means.
-    pub fn correlation(&self) -> [Correlation; 2] {
+    pub(crate) fn correlation(&self) -> [Correlation; 2] {
         let stays = || self.all.iter().filter(|(_, rows)| rows.len() > 1);
         let t: Vec<f64> = stays()
             .flat_map(|(_, rows)| rows.iter().map(|r| r.0))
@@ -85,7 +85,7 @@ impl Stays {
 }
 
 /// Variance of the mean of `n` rows over a row's.
-pub fn of_mean(correlation: &Correlation, n: f64) -> f64 {
+pub(crate) fn of_mean(correlation: &Correlation, n: f64) -> f64 {
     let m = correlation.rows_per_sample;
     let a = (m - 1.0) / (m + 1.0);
     let part = m / n - 2.0 * a * (1.0 - a.powf(n)) / (n * (1.0 - a)).powi(2);

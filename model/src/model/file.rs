@@ -48,7 +48,7 @@ use crate::{Error, files};
 const NEWEST: u32 = 1;
 
 /// Parameters of a file that keeps how well they are known together, at most: 600 joints.
-pub const INFORMED: usize = 1203;
+pub(super) const INFORMED: usize = 1203;
 
 /// No quantity of an effect is larger, in its unit.
 const MOST: f64 = 1e9;

@@ -49,7 +49,7 @@ pub(super) struct Alone {
 }
 
 impl Alone {
-    pub fn new(program: &Program, sources: &[RegisterFill]) -> Alone {
+    pub(super) fn new(program: &Program, sources: &[RegisterFill]) -> Alone {
         let steps = Steps::new(program, sources);
         let [angles, sines, rest] = steps.parts;
         let is_near = steps.initial.len() <= PLACES;
@@ -65,7 +65,7 @@ impl Alone {
     }
 
     /// Evaluate into `out`, with the bits of a block.
-    pub fn run(&self, arguments: &[Values], out: &mut [f64], kernels: Kernels) {
+    pub(super) fn run(&self, arguments: &[Values], out: &mut [f64], kernels: Kernels) {
         match self.used.try_lock() {
             Ok(mut values) => {
                 if values.is_empty() {

@@ -20,7 +20,7 @@ pub(super) struct Blocks<'a, const N: usize> {
 }
 
 impl<const N: usize> Blocks<'_, N> {
-    pub fn run(self) {
+    pub(super) fn run(self) {
         let plan = self.plan;
         let mut registers = vec![Register([0.0; N]); plan.registers];
         let uniform = uniform(plan, self.arguments);

@@ -37,7 +37,7 @@ pub(super) struct Lowering<'a> {
 }
 
 impl<'a> Lowering<'a> {
-    pub fn new(program: &'a Program) -> Lowering<'a> {
+    pub(super) fn new(program: &'a Program) -> Lowering<'a> {
         let mut about = vec![About::default(); program.nodes.len()];
         for (part, about) in parts(program).into_iter().zip(&mut about) {
             about.part = part;
@@ -99,7 +99,7 @@ impl<'a> Lowering<'a> {
     }
 
     /// The step of a node, and what has to stand before it.
-    pub fn lower(&mut self, id: Id, expr: Expr) {
+    pub(super) fn lower(&mut self, id: Id, expr: Expr) {
         let (to, part) = (id.index(), self.about[id.index()].part);
         match expr {
             Expr::Const(_) | Expr::Input { .. } => {}

@@ -242,7 +242,7 @@ fn short(k: usize) -> u32 {
 
 impl Plan {
     /// Assign registers in the order of the program: each value is used soon.
-    pub fn new(program: &Program) -> Plan {
+    pub(super) fn new(program: &Program) -> Plan {
         let (inputs, ways, late) = (inputs(program), ways(program), late(program));
         let output = |id: &Id| match program.expr(*id) {
             Expr::Neg(of) if late[id.index()] => (of, -1.0),

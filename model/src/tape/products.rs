@@ -28,7 +28,7 @@ pub(super) struct Steps {
 
 impl Steps {
     /// Inputs stand in the first places, constants among the `sources` behind them.
-    pub fn new(program: &Program, sources: &[RegisterFill]) -> Steps {
+    pub(super) fn new(program: &Program, sources: &[RegisterFill]) -> Steps {
         let mut lowering = Lowering::new(program);
         for (id, node) in program.iter() {
             lowering.lower(id, node.expr);

@@ -27,7 +27,7 @@ pub(super) fn larger(x: f64, y: f64) -> f64 {
 }
 
 impl Step {
-    pub fn operands(self) -> impl Iterator<Item = usize> {
+    pub(super) fn operands(self) -> impl Iterator<Item = usize> {
         let (used, count) = match self {
             Step::Product([_, x, y, w]) => ([x, y, w], 3),
             Step::Other(Operation::Clamp | Operation::SinCos, [_, a, _]) => ([a, a, a], 1),
@@ -36,7 +36,7 @@ impl Step {
         used.into_iter().take(count)
     }
 
-    pub fn results(self) -> impl Iterator<Item = usize> {
+    pub(super) fn results(self) -> impl Iterator<Item = usize> {
         let (to, also) = match self {
             Step::Other(Operation::SinCos, [to, _, also]) => (to, Some(also)),
             Step::Product([to, ..]) | Step::Other(_, [to, ..]) => (to, None),
@@ -45,7 +45,7 @@ impl Step {
     }
 
     /// The same on places.
-    pub fn placed(self, place: impl Fn(usize) -> usize) -> Step {
+    pub(super) fn placed(self, place: impl Fn(usize) -> usize) -> Step {
         match self {
             Step::Product(values) => Step::Product(values.map(place)),
             Step::Other(operation, values) => Step::Other(operation, values.map(place)),

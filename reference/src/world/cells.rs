@@ -32,12 +32,12 @@ struct Cell {
 }
 
 impl Cells {
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
     /// The faulty cells' loads, N; none where there are no cells.
-    pub fn loads(&self, cop_m: Vector2<f64>, total_n: f64, weight_n: f64) -> Vec<f64> {
+    pub(super) fn loads(&self, cop_m: Vector2<f64>, total_n: f64, weight_n: f64) -> Vec<f64> {
         let loads = split(&self.places(), cop_m, total_n);
         let cells = self.0.iter().zip(loads);
         cells
@@ -46,7 +46,7 @@ impl Cells {
     }
 
     /// The loads that true cells would report with this CoP, N.
-    pub fn true_loads(&self, cop_m: Vector2<f64>, total_n: f64) -> Vec<f64> {
+    pub(super) fn true_loads(&self, cop_m: Vector2<f64>, total_n: f64) -> Vec<f64> {
         split(&self.places(), cop_m, total_n)
     }
 
@@ -55,7 +55,7 @@ impl Cells {
     }
 
     /// The CoP that loads stand for, m.
-    pub fn cop_of(&self, loads: &[f64]) -> Vector2<f64> {
+    pub(super) fn cop_of(&self, loads: &[f64]) -> Vector2<f64> {
         let moment: Vector2<f64> = self
             .0
             .iter()

@@ -38,23 +38,23 @@ impl fmt::Debug for Functions {
 }
 
 impl Functions {
-    pub fn move_joints(&self) -> bool {
+    pub(super) fn move_joints(&self) -> bool {
         !self.joints.is_empty()
     }
 
     /// How far joint `j` is moved.
-    pub fn moved(&self, j: usize, q: &[f64], moments: &[f64]) -> f64 {
+    pub(super) fn moved(&self, j: usize, q: &[f64], moments: &[f64]) -> f64 {
         let own = self.joints.iter().filter(|(joint, _)| *joint == j);
         own.map(|(_, function)| function(q, moments)).sum()
     }
 
     /// What is added to a reading.
-    pub fn added(&self, reading: Vector2<f64>) -> Vector2<f64> {
+    pub(super) fn added(&self, reading: Vector2<f64>) -> Vector2<f64> {
         sum(&self.sensor, reading)
     }
 
     /// The slope of soft ground under a CoP.
-    pub fn slope(&self, cop_m: Vector2<f64>) -> Vector2<f64> {
+    pub(super) fn slope(&self, cop_m: Vector2<f64>) -> Vector2<f64> {
         sum(&self.ground, cop_m)
     }
 }

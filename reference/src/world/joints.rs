@@ -35,7 +35,7 @@ pub(super) struct Wave {
 }
 
 impl Encoder {
-    pub fn true_of(dof: usize) -> Self {
+    pub(super) fn true_of(dof: usize) -> Self {
         Self {
             channel: dof,
             scale: 1.0,

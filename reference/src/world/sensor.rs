@@ -35,7 +35,7 @@ pub(super) struct Outliers {
 }
 
 impl Sensor {
-    pub fn ideal() -> Self {
+    pub(super) fn ideal() -> Self {
         Self {
             gain: Vector2::new(1.0, 1.0),
             rotation: Rotation2::identity(),
@@ -48,13 +48,13 @@ impl Sensor {
     }
 
     /// The reading behind the cells, before it is written down.
-    pub fn reading(&self, cop_m: Vector2<f64>, progress: f64) -> Vector2<f64> {
+    pub(super) fn reading(&self, cop_m: Vector2<f64>, progress: f64) -> Vector2<f64> {
         let drift = self.drift_m * progress;
         self.rotation * cop_m.component_mul(&self.gain) + self.offset_m + drift
     }
 
     /// What is written down, m unless another unit is.
-    pub fn write(&self, reading: Vector2<f64>) -> [f64; 2] {
+    pub(super) fn write(&self, reading: Vector2<f64>) -> [f64; 2] {
         (self.wiring * reading * self.unit).into()
     }
 }

@@ -64,7 +64,7 @@ pub(super) struct Cable {
 }
 
 impl Yielding {
-    pub fn cable_moment(&self, joint: f64) -> f64 {
+    pub(super) fn cable_moment(&self, joint: f64) -> f64 {
         self.cable.as_ref().map_or(0.0, |cable| {
             -cable.stiffness * (joint - cable.taut).max(0.0)
         })

@@ -59,12 +59,12 @@ pub(super) struct Carried {
 }
 
 impl Unmodelled {
-    pub fn carries_nothing(&self) -> bool {
+    pub(super) fn carries_nothing(&self) -> bool {
         self.hanging.is_empty() && self.loose.is_empty()
     }
 
     /// The CoP's error when the encoders read `q`, m.
-    pub fn sine(&self, q: &[f64]) -> Vector2<f64> {
+    pub(super) fn sine(&self, q: &[f64]) -> Vector2<f64> {
         let errors = self.sines.iter();
         errors
             .map(|sine| sine.amplitude_m * (sine.harmonic * q[sine.channel]).sin())

@@ -4,12 +4,12 @@ use sesc_reference::{Error, ErrorKind, Reference, Robot, World};
 
 /// Reads a robot from lines: URDF, `link NAME MASS_KG COM_M`, or `KIND NAME PARENT CHILD` of a
 /// joint, behind which `|` stand the attributes of its origin, and its axis, limit and mimic.
-pub fn robot(text: &str) -> Robot {
+pub(crate) fn robot(text: &str) -> Robot {
     Robot::from_urdf(&urdf("name='test'", text)).expect("the test robot reads")
 }
 
 /// The URDF of such lines with these attributes of the robot.
-pub fn urdf(attributes: &str, text: &str) -> String {
+pub(crate) fn urdf(attributes: &str, text: &str) -> String {
     let element = |line: &str| {
         let mut parts = line.split('|').map(str::trim);
         let words: Vec<&str> = parts.next().unwrap().split_whitespace().collect();
@@ -37,21 +37,21 @@ pub fn urdf(attributes: &str, text: &str) -> String {
 
 /// Asserts that numbers are as near as that, each to its own.
 #[track_caller]
-pub fn near<const N: usize>(found: [f64; N], expected: [f64; N], tolerance: f64) {
+pub(crate) fn near<const N: usize>(found: [f64; N], expected: [f64; N], tolerance: f64) {
     let squares = found.iter().zip(expected).map(|(a, b)| (a - b) * (a - b));
     let error = squares.sum::<f64>().sqrt();
     assert!(error < tolerance, "{found:?} is not {expected:?}");
 }
 
 /// What an error is about, of a call that must have one.
-pub fn kind<T>(found: Result<T, Error>) -> ErrorKind {
+pub(crate) fn kind<T>(found: Result<T, Error>) -> ErrorKind {
     found.err().expect("this call is refused").kind()
 }
 
 /// A tree with every way of moving: branches, skewed axes, a prismatic joint, a mimic, a
 /// fixed joint, a massless link. Root `torso`; four revolute joints, one prismatic,
 /// one mimic.
-pub fn bushy() -> Robot {
+pub(crate) fn bushy() -> Robot {
     robot(
         "link torso 3.0 0.02 -0.01 0.1
          link thigh 1.1 0.01 0.02 -0.2
@@ -73,7 +73,7 @@ pub fn bushy() -> Robot {
 }
 
 /// Postures spread evenly over the joints' ranges; the same every time.
-pub fn postures(reference: &Reference, count: usize) -> Vec<Vec<f64>> {
+pub(crate) fn postures(reference: &Reference, count: usize) -> Vec<Vec<f64>> {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut uniform = || {
         state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -95,7 +95,7 @@ pub fn postures(reference: &Reference, count: usize) -> Vec<Vec<f64>> {
 
 /// A mass of 2 kg on a stick of 0.5 m that leans over an ankle 0.1 m above the
 /// foot: at `q` it stands at x = 0.5 sin q, z = 0.1 + 0.5 cos q.
-pub fn leaning() -> Robot {
+pub(crate) fn leaning() -> Robot {
     robot(
         "<link name='foot'/>
          link stick 2 0 0 0.5
@@ -103,11 +103,11 @@ pub fn leaning() -> Robot {
     )
 }
 
-pub const LEANING_KG: f64 = 2.0;
-pub const LEANING_M: f64 = 0.5;
+pub(crate) const LEANING_KG: f64 = 2.0;
+pub(crate) const LEANING_M: f64 = 0.5;
 
 /// The same thing, described from the stick down: the foot is the ankle's child.
-pub fn leaning_from_above() -> Robot {
+pub(crate) fn leaning_from_above() -> Robot {
     robot(
         "link stick 2 0 0 0.5
          <link name='foot'/>
@@ -116,12 +116,12 @@ pub fn leaning_from_above() -> Robot {
 }
 
 /// The leaning stick as it stands on its foot.
-pub fn stick() -> World {
+pub(crate) fn stick() -> World {
     World::new(&leaning(), "foot").unwrap()
 }
 
 /// The tree and its reference on its sole, and its virtual robot.
-pub fn bushy_on_sole() -> (Robot, Reference, World) {
+pub(crate) fn bushy_on_sole() -> (Robot, Reference, World) {
     let robot = bushy();
     let reference = Reference::new(&robot, "sole").unwrap();
     let world = World::new(&robot, "sole").unwrap();

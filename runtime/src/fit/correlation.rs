@@ -38,7 +38,7 @@ struct Level<T> {
 }
 
 impl<T: Scalar> Correlation<T> {
-    pub const EMPTY: Self = Self {
+    pub(super) const EMPTY: Self = Self {
         levels: [Level {
             waiting: T::ZERO,
             squares: T::ZERO,
@@ -48,7 +48,7 @@ impl<T: Scalar> Correlation<T> {
     };
 
     /// The error of a prediction over its deviation; what came before counts `lambda` times.
-    pub fn push(&mut self, error: T, lambda: T) {
+    pub(super) fn push(&mut self, error: T, lambda: T) {
         let half = T::from_f64(core::f64::consts::FRAC_1_SQRT_2);
         let (mut z, mut fade) = (error, lambda);
         let mut waits = self.count;
@@ -67,7 +67,7 @@ impl<T: Scalar> Correlation<T> {
     }
 
     /// Postures per independent one, 1 and more.
-    pub fn postures_per_sample(&self) -> f64 {
+    pub(super) fn postures_per_sample(&self) -> f64 {
         let mean = |level: &Level<T>| level.squares.to_f64() / level.sums.to_f64();
         let [first, above @ ..] = &self.levels;
         let known = |level: &&Level<T>| level.sums.to_f64() >= FEWEST;
@@ -84,7 +84,7 @@ impl<T: Scalar> Correlation<T> {
     }
 
     /// Take over the sums of another log.
-    pub fn merge(&mut self, other: &Self) {
+    pub(super) fn merge(&mut self, other: &Self) {
         for (level, more) in self.levels.iter_mut().zip(&other.levels) {
             level.squares = level.squares + more.squares;
             level.sums = level.sums + more.sums;

@@ -38,13 +38,13 @@ pub(super) struct Left<T> {
 
 impl<T: Scalar> Left<T> {
     /// w v²: what it adds to the sum of squares.
-    pub fn square(self) -> T {
+    pub(super) fn square(self) -> T {
         self.weight * self.value * self.value
     }
 
     /// √w v: the error of the prediction by the rows before, over its deviation; zero where
     /// they predicted nothing.
-    pub fn error(self) -> T {
+    pub(super) fn error(self) -> T {
         match self.weight > T::ZERO {
             true => self.weight.root() * self.value,
             false => T::ZERO,
@@ -53,7 +53,7 @@ impl<T: Scalar> Left<T> {
 }
 
 impl<T: Scalar, const N: usize> Triangle<T, N> {
-    pub const fn empty() -> Self {
+    pub(super) const fn empty() -> Self {
         Self {
             lines: [[T::ZERO; N]; N],
             weights: [T::ZERO; N],
@@ -62,7 +62,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     }
 
     /// R row by row from its diagonal on: d_i = R_ii², r̄_ik = R_ik/R_ii, values zero.
-    pub fn of_factor(factor: &[f64]) -> Result<Self, Error> {
+    pub(super) fn of_factor(factor: &[f64]) -> Result<Self, Error> {
         if factor.len() != N * (N + 1) / 2 {
             return Err(Error::Factor);
         }
@@ -104,7 +104,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     ///
     /// Rotations preserve Σ w x_k² of every column, so that d r² and w x² stay below
     /// it. With d ≥ `LEAST` and w ≥ `LIGHT`, neither r nor x can overflow.
-    pub fn include(&mut self, mut row: [T; N], mut value: T, mut weight: T) -> Left<T> {
+    pub(super) fn include(&mut self, mut row: [T; N], mut value: T, mut weight: T) -> Left<T> {
         for i in 0..N {
             let Some((done, [pivot, rest @ ..])) = row.split_at_mut_checked(i) else {
                 break;
@@ -161,7 +161,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     }
 
     /// Take line i out and rotate it in again without its pivot.
-    pub fn drop_pivot(&mut self, i: usize) -> T {
+    pub(super) fn drop_pivot(&mut self, i: usize) -> T {
         if i >= N {
             return T::ZERO;
         }
@@ -172,7 +172,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     }
 
     /// Line i with its unit diagonal: what it says about the parameters.
-    pub fn line(&self, i: usize) -> [T; N] {
+    pub(super) fn line(&self, i: usize) -> [T; N] {
         let mut line = [T::ZERO; N];
         if let Some(from) = self.lines.get(i) {
             line = *from;
@@ -184,7 +184,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     }
 
     /// Σ w x_k² of everything that came in, per column.
-    pub fn information(&self) -> [T; N] {
+    pub(super) fn information(&self) -> [T; N] {
         let mut columns = self.weights;
         for (i, (line, weight)) in self.lines.iter().zip(&self.weights).enumerate() {
             for (column, r) in columns.iter_mut().zip(line).skip(i + 1) {
@@ -195,7 +195,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     }
 
     /// Columns that hold more than rounding beyond the columns before them.
-    pub fn observable(&self) -> [bool; N] {
+    pub(super) fn observable(&self) -> [bool; N] {
         let columns = self.information();
         let mut observable = [false; N];
         for ((observable, weight), column) in observable.iter_mut().zip(&self.weights).zip(&columns)
@@ -206,7 +206,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     }
 
     /// θ̂, zero in unobservable columns.
-    pub fn solve(&self, observable: &[bool; N]) -> [T; N] {
+    pub(super) fn solve(&self, observable: &[bool; N]) -> [T; N] {
         let mut params = [T::ZERO; N];
         for i in (0..N).rev() {
             if observable[i] {
@@ -217,7 +217,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     }
 
     /// The change of the parameters that no reading shows, with 1 at the unobservable column k.
-    pub fn direction(&self, k: usize, observable: &[bool; N]) -> [T; N] {
+    pub(super) fn direction(&self, k: usize, observable: &[bool; N]) -> [T; N] {
         let mut direction = [T::ZERO; N];
         if k < N {
             direction[k] = T::ONE;
@@ -232,7 +232,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
 
     /// Variance of `row`·θ̂ given the unobservable parameters, Σ p_i²/d_i with p = row R̄⁻¹,
     /// and whether the row asks for an unobservable one.
-    pub fn variance(&self, mut row: [T; N], observable: &[bool; N]) -> (T, bool) {
+    pub(super) fn variance(&self, mut row: [T; N], observable: &[bool; N]) -> (T, bool) {
         let (mut variance, mut unobservable) = (T::ZERO, false);
         for i in 0..N {
             let Some((done, [pivot, rest @ ..])) = row.split_at_mut_checked(i) else {
@@ -252,7 +252,7 @@ impl<T: Scalar, const N: usize> Triangle<T, N> {
     }
 
     /// R̄⁻¹ D⁻¹ R̄⁻ᵀ of the observable columns, in place; infinite variances elsewhere.
-    pub fn covariance(&self, observable: &[bool; N], out: &mut [[T; N]; N]) {
+    pub(super) fn covariance(&self, observable: &[bool; N], out: &mut [[T; N]; N]) {
         // R̄⁻¹, line by line: v R̄ = e_a.
         for a in 0..N {
             let v = &mut out[a];

@@ -42,7 +42,7 @@ pub(crate) struct Sums<const N: usize> {
 }
 
 impl<const N: usize> Sums<N> {
-    pub fn zero() -> Self {
+    pub(crate) fn zero() -> Self {
         Self {
             gram: [[0.0; N]; N],
             right: [0.0; N],
@@ -50,7 +50,7 @@ impl<const N: usize> Sums<N> {
         }
     }
 
-    pub fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         let lines = self.gram.iter().zip(0..);
         lines
             .flat_map(|(line, i)| &line[..=i])

@@ -14,7 +14,7 @@ mod bench {
 
     /// Two joints whose functions are what the registers do: sines and cosines, a fused
     /// product, a quotient, a clamp and a power. The second joint is prismatic.
-    pub struct Bench;
+    pub(super) struct Bench;
 
     impl Robot for Bench {
         type Dof = Const<2>;

@@ -9,18 +9,18 @@ use astro_float::{BigFloat, Consts, RoundingMode};
 const BITS: usize = 256;
 
 /// Functions to 256 bits.
-pub struct Exact {
+pub(crate) struct Exact {
     constants: Consts,
 }
 
 impl Exact {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let constants = Consts::new().expect("room for the cache of constants");
         Self { constants }
     }
 
     /// Errors of what an `f64` function gave at `x` for sine and cosine.
-    pub fn errors(&mut self, x: f64, got: (f64, f64)) -> (f64, f64) {
+    pub(crate) fn errors(&mut self, x: f64, got: (f64, f64)) -> (f64, f64) {
         let angle = BigFloat::from_f64(x, BITS);
         let sin = angle.sin(BITS, RoundingMode::ToEven, &mut self.constants);
         let cos = angle.cos(BITS, RoundingMode::ToEven, &mut self.constants);
@@ -39,7 +39,7 @@ impl Exact {
     }
 
     /// Errors, in ulp, of what an `f64` function gave at `x` for sine and cosine.
-    pub fn errors_ulp(&mut self, x: f64, got: (f64, f64)) -> (f64, f64) {
+    pub(crate) fn errors_ulp(&mut self, x: f64, got: (f64, f64)) -> (f64, f64) {
         let angle = BigFloat::from_f64(x, BITS);
         let sin = angle.sin(BITS, RoundingMode::ToEven, &mut self.constants);
         let cos = angle.cos(BITS, RoundingMode::ToEven, &mut self.constants);
@@ -47,7 +47,7 @@ impl Exact {
     }
 
     /// Error, in ulp, of what an `f64` function gave for `x` to the power of `y`.
-    pub fn power_error_ulp(&mut self, x: f64, y: f64, got: f64) -> f64 {
+    pub(crate) fn power_error_ulp(&mut self, x: f64, y: f64, got: f64) -> f64 {
         // Scaled, since the conversion is wrong below the normal numbers.
         let scale = if x < 1.0 { 128_f64.exp2() } else { 1.0 };
         let [base, exponent, scale] = [x * scale, y, scale].map(|x| BigFloat::from_f64(x, BITS));
@@ -72,20 +72,20 @@ fn fraction(value: &BigFloat) -> (f64, i32) {
 }
 
 /// Error, in ulp of an `f32`, of `got` where `truth` is true to many more bits.
-pub fn error_ulp_f32(truth: f64, got: f32) -> f64 {
+pub(crate) fn error_ulp_f32(truth: f64, got: f32) -> f64 {
     let exponent = ((truth.to_bits() >> 52) & 0x7FF) as i32 - 1022;
     (truth - f64::from(got)).abs() * f64::from(24 - exponent.max(-125)).exp2()
 }
 
 /// SplitMix64: the same numbers in every run.
-pub struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    pub fn bits(&mut self) -> u64 {
+    pub(crate) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -94,7 +94,7 @@ impl Random {
     }
 
     /// Uniform in `[-limit, limit]`.
-    pub fn within(&mut self, limit: f64) -> f64 {
+    pub(crate) fn within(&mut self, limit: f64) -> f64 {
         let unit = (self.bits() >> 11) as f64 * (-53_f64).exp2();
         (2.0 * unit - 1.0) * limit
     }

@@ -217,7 +217,7 @@ fn separations(chi2: &[f64]) -> String {
 const NAMED: usize = 4;
 
 /// The robot with its joints, links and cells marked that the explanation names.
-pub fn card<'a>(found: &Diagnosis, view: &'a DiagnosisView) -> Card<'a> {
+pub(crate) fn card<'a>(found: &Diagnosis, view: &'a DiagnosisView) -> Card<'a> {
     let (marked, cells) = suspects(&found.steps, &view.skeleton);
     let suspects = marked.sentence(match found.steps.is_empty() {
         true => "No joint, link or cell is suspected.",

@@ -9,7 +9,7 @@ use super::{HALF, to_mm};
 
 /// The arrows of both figures, before and after the correction.
 #[derive(Default)]
-pub struct Arrows<'a> {
+pub(super) struct Arrows<'a> {
     /// Postures with what was read and predicted.
     pub postures: Vec<Shown>,
     /// RMS length before and after, m.
@@ -27,13 +27,13 @@ pub struct Arrows<'a> {
 impl Arrows<'_> {
     /// Draw the arrows before (0) or after (1) the correction; both figures have the
     /// same scale.
-    pub fn draw(&self, which: usize, title: &str, color: Color) -> String {
+    pub(super) fn draw(&self, which: usize, title: &str, color: Color) -> String {
         self.figure(which, title, color, false)
     }
 
     /// The arrows before the correction, for a script to shorten: what it needs for that
     /// stands in attributes of their group.
-    pub fn beside_the_robot(&self, title: &str) -> String {
+    pub(super) fn beside_the_robot(&self, title: &str) -> String {
         self.figure(0, title, ORANGE, true)
     }
 

@@ -5,7 +5,7 @@ use super::*;
 /// A figure that is valid XML, refers to nothing outside, names only colours that it
 /// defines for light and dark pages, and whose texts lie apart and inside; returns
 /// the texts.
-pub fn sound(svg: &str) -> Vec<String> {
+pub(crate) fn sound(svg: &str) -> Vec<String> {
     let tree = roxmltree::Document::parse(svg).expect("a figure is well-formed");
     let root = tree.root_element();
     assert_eq!(root.tag_name().name(), "svg");

@@ -87,7 +87,7 @@ fn compiled_c_has_the_bits_of_rust_and_stays_within_its_bounds() {
 }
 
 /// In floats compiled C gives the bits of Rust; integers, which Rust does not have, are not stopped.
-pub fn has_the_bits_of_rust(
+pub(crate) fn has_the_bits_of_rust(
     case: &Case,
     scalar: Scalar,
     compiled: &Compiled,
@@ -118,7 +118,7 @@ fn same(name: &str, found: &[f64], expected: &[f64], all: bool) {
 }
 
 /// No bound is exceeded; and one far above what is measured would prove nothing.
-pub fn bounded(case: &Case, scalar: Scalar, compiled: &Compiled, entries: &[Entry]) {
+pub(crate) fn bounded(case: &Case, scalar: Scalar, compiled: &Compiled, entries: &[Entry]) {
     if scalar == Scalar::F64 {
         let drawn = draw(case, IN_PAIRS, 29, &*compiled.hold());
         for (entry, found) in entries.iter().zip(&compiled.run(case, entries, &drawn)) {

@@ -21,14 +21,14 @@ use sesc_test_support::exact::{Double, Interpreter, Number};
 const MANY: usize = 100_000;
 
 /// Largest |a − b|; a NaN is larger than all.
-pub fn largest(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn largest(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let differences = a.iter().zip(b).map(|(a, b)| (a - b).abs());
     differences.fold(0.0, |most, x| if x.is_nan() || x > most { x } else { most })
 }
 
 /// The larger of two numbers, of which a NaN counts as infinite.
-pub fn larger(a: f64, b: f64) -> f64 {
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
     match b.is_nan() {
         true => f64::INFINITY,
         false => a.max(b),
@@ -38,7 +38,7 @@ pub fn larger(a: f64, b: f64) -> f64 {
 /// Each entry's error on `drawn`, held against the bound in the header.
 ///
 /// Names with what was measured and what is proven, m.
-pub fn check(
+pub(crate) fn check(
     case: &Case,
     compiled: &Compiled,
     entries: &[Entry],
@@ -136,7 +136,7 @@ fn a_zmp_has_a_bound_below_a_millimetre_or_the_error_that_was_seen() {
 }
 
 /// Largest distance of `found` from the same program in pairs of doubles.
-pub fn in_pairs(case: &Case, entry: &Entry, drawn: &Draw, found: &[f64]) -> f64 {
+pub(crate) fn in_pairs(case: &Case, entry: &Entry, drawn: &Draw, found: &[f64]) -> f64 {
     let program = case.model.program(entry.function, Given::Positions);
     let interpreter = Interpreter::new(&program.unwrap());
     let dof = case.model.dof();

@@ -19,10 +19,10 @@ use sesc_test_support::trees::{Kind, tree};
 use super::draw::Draw;
 use super::entry::Entry;
 
-pub const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+pub(crate) const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// Robot folder under `robots/`, and a support.
-pub const ROBOTS: [(&str, &str); 9] = [
+pub(crate) const ROBOTS: [(&str, &str); 9] = [
     ("op2", "r_sole"),
     ("op2", "body_link"),
     ("arm6", "base_link"),
@@ -34,22 +34,22 @@ pub const ROBOTS: [(&str, &str); 9] = [
     ("two_link", "foot"),
 ];
 
-pub const SCALARS: [Scalar; 3] = [Scalar::F64, Scalar::F32, Scalar::Fixed32];
+pub(crate) const SCALARS: [Scalar; 3] = [Scalar::F64, Scalar::F32, Scalar::Fixed32];
 
 /// An effect, its target and its parameters.
 type Named<'a> = (&'a str, &'a str, &'a [(&'a str, f64)]);
 
 /// A payload, and a spring.
-pub const LOAD: &[(&str, f64)] = &[
+pub(crate) const LOAD: &[(&str, f64)] = &[
     ("mass_kg", 0.4),
     ("x_m", 0.02),
     ("y_m", -0.01),
     ("z_m", 0.05),
 ];
-pub const SOFT: &[(&str, f64)] = &[("stiffness_nm_per_rad", 300.0)];
+pub(crate) const SOFT: &[(&str, f64)] = &[("stiffness_nm_per_rad", 300.0)];
 
 /// A robot on a support, with servos.
-pub struct Case {
+pub(crate) struct Case {
     /// Prefix of its C names.
     pub name: String,
     pub model: Model,
@@ -64,7 +64,7 @@ pub struct Case {
 
 /// What a joint's tick is: zero, and radians or metres a tick.
 #[derive(Clone, Copy)]
-pub struct Servo {
+pub(crate) struct Servo {
     pub zero: i32,
     pub per_tick: f64,
     /// Ticks a turn, negative where the servo runs backwards.
@@ -73,7 +73,7 @@ pub struct Servo {
 
 impl Servo {
     /// The angle of `away` ticks from zero, 2π away / resolution, beyond doubles.
-    pub fn turned(self, away: f64) -> Double {
+    pub(crate) fn turned(self, away: f64) -> Double {
         let turn = Double {
             high: std::f64::consts::TAU,
             low: 2.4492935982947064e-16,
@@ -83,7 +83,7 @@ impl Servo {
 }
 
 impl Case {
-    pub fn new(model: Model, name: &str, servos: Servos) -> Case {
+    pub(crate) fn new(model: Model, name: &str, servos: Servos) -> Case {
         Case {
             name: c::suggest(name),
             model,
@@ -95,14 +95,14 @@ impl Case {
     }
 
     /// With functions of many postures, in floats.
-    pub fn of_many(mut self, lanes: u32) -> Case {
+    pub(crate) fn of_many(mut self, lanes: u32) -> Case {
         self.lanes = Some(lanes);
         self.name += &format!("_x{lanes}");
         self
     }
 
     /// One of `robots/`.
-    pub fn robot(robot: &str, support: &str) -> Case {
+    pub(crate) fn robot(robot: &str, support: &str) -> Case {
         let path = Path::new(ROOT).join(format!("robots/{robot}/{robot}.urdf"));
         let read = Robot::read(&path).unwrap();
         let model = read.model(support, Snapping::default(), None).unwrap();
@@ -125,7 +125,7 @@ impl Case {
     }
 
     /// A random tree of `joints` joints of every type.
-    pub fn random(seed: u64, joints: usize) -> Case {
+    pub(crate) fn random(seed: u64, joints: usize) -> Case {
         let kind = Kind {
             joints,
             canonical: false,
@@ -141,7 +141,7 @@ impl Case {
         }
     }
 
-    pub fn of_text(text: &str, support: &str, name: &str) -> Case {
+    pub(crate) fn of_text(text: &str, support: &str, name: &str) -> Case {
         let robot = Robot::parse(text, &format!("{name}.urdf")).unwrap();
         let model = robot.model(support, Snapping::Off, None).unwrap();
         let servos = servos(&model);
@@ -149,13 +149,13 @@ impl Case {
     }
 
     /// The two-link robot with an effect.
-    pub fn with_effect(effect: &str, target: &str, parameter: (&str, f64)) -> Case {
+    pub(crate) fn with_effect(effect: &str, target: &str, parameter: (&str, f64)) -> Case {
         let case = Case::robot("two_link", "foot");
         case.and(effect, &[(effect, target, &[parameter])])
     }
 
     /// Takes a model file whose parameters are CAD's, changed.
-    pub fn take_values(&mut self, change: impl Fn(usize, f64) -> f64) {
+    pub(crate) fn take_values(&mut self, change: impl Fn(usize, f64) -> f64) {
         let cad = self.model.cad_params();
         let values: Vec<f64> = cad.iter().enumerate().map(|(k, x)| change(k, *x)).collect();
         let file = ModelFile::from_values(&self.model, &values, None, "data");
@@ -164,7 +164,7 @@ impl Case {
 
     /// With the estimator, and a model file that knows its parameters from 30 postures and a
     /// prior of 2 cm.
-    pub fn informed(self) -> Case {
+    pub(crate) fn informed(self) -> Case {
         let model = &self.model;
         let n = model.base.params.len();
         let q = 0..30 * model.dof();
@@ -184,7 +184,7 @@ impl Case {
     }
 
     /// With effects, each with its target and parameters; `what` ends the name.
-    pub fn and(mut self, what: &str, effects: &[Named]) -> Case {
+    pub(crate) fn and(mut self, what: &str, effects: &[Named]) -> Case {
         let mut file = ModelFile::from_values(&self.model, &self.model.cad_params(), None, "data");
         file.cells = vec![[0.1, 0.06], [0.1, -0.06], [-0.1, -0.06], [-0.1, 0.06]];
         let known =
@@ -202,7 +202,7 @@ impl Case {
     }
 
     /// Effects whose reading divides, clamps or takes powers.
-    pub fn of_cells() -> Vec<Case> {
+    pub(crate) fn of_cells() -> Vec<Case> {
         let cases = [
             Case::with_effect("cell_gain", "fsr_1", ("gain", 0.8)),
             Case::with_effect("cell_exponent", "fsr_2", ("exponent", 1.1)),
@@ -213,7 +213,7 @@ impl Case {
     }
 
     /// Effects that act on every function of the body, and leave all of them smooth.
-    pub fn bodies() -> [Case; 5] {
+    pub(crate) fn bodies() -> [Case; 5] {
         [
             Case::with_effect("joint_compliance", "all", ("stiffness_nm_per_rad", 200.0)),
             Case::with_effect("joint_offset", "knee", ("offset_rad", 0.03)),
@@ -232,7 +232,7 @@ impl Case {
     }
 
     /// Scalars it can be had in: fixed point does not divide or take powers, as cells do.
-    pub fn scalars(&self) -> &'static [Scalar] {
+    pub(crate) fn scalars(&self) -> &'static [Scalar] {
         let of_cell = |name: &str| name.starts_with("cell_");
         let effects = &self.model.effects;
         match effects.iter().any(|(i, _)| of_cell(i.effect.id().name())) {
@@ -241,13 +241,13 @@ impl Case {
         }
     }
 
-    pub fn has_springs(&self) -> bool {
+    pub(crate) fn has_springs(&self) -> bool {
         let of_spring = |name| name == "joint_compliance";
         let mut effects = self.model.effects.iter();
         effects.any(|(i, _)| of_spring(i.effect.id().name()))
     }
 
-    pub fn package(&self, scalar: Scalar) -> Package {
+    pub(crate) fn package(&self, scalar: Scalar) -> Package {
         let mut options = Options::of(scalar);
         options.servos = Some(self.servos.clone());
         options.estimator = scalar != Scalar::Fixed32 && self.estimator;
@@ -260,7 +260,7 @@ impl Case {
 
     /// Every C function there must be: the load on the ground divides the ZMP, which fixed
     /// point does not.
-    pub fn entries(&self, scalar: Scalar) -> Vec<Entry> {
+    pub(crate) fn entries(&self, scalar: Scalar) -> Vec<Entry> {
         let mut entries = Vec::new();
         let divides = |function| function == Function::Zmp && scalar == Scalar::Fixed32;
         let functions = self.functions().into_iter();
@@ -319,7 +319,7 @@ impl Case {
     }
 
     /// What each joint's servo is, read from the settings by their documentation.
-    pub fn servos(&self) -> Vec<Servo> {
+    pub(crate) fn servos(&self) -> Vec<Servo> {
         let dofs = self.model.tree.dofs.iter();
         dofs.map(|dof| {
             let own = self.servos.joints.get(&dof.joint).cloned();
@@ -340,7 +340,7 @@ impl Case {
 
     /// Results of `function` by the tape; one row of `q`, `r` and the joint motion that it
     /// takes per posture.
-    pub fn tape(&self, function: Function, q: &[f64], r: &[f64], drawn: &Draw) -> Vec<f64> {
+    pub(crate) fn tape(&self, function: Function, q: &[f64], r: &[f64], drawn: &Draw) -> Vec<f64> {
         let [qd, qdd] = drawn.motion(function);
         let program = self.model.program(function, Given::Positions).unwrap();
         let tape = Tape::new(&program);
@@ -360,7 +360,7 @@ impl Case {
 }
 
 /// Robots, with and without a model file; one has long names.
-pub fn cases() -> Vec<Case> {
+pub(crate) fn cases() -> Vec<Case> {
     let mut cases: Vec<Case> = ROBOTS.iter().map(|(r, s)| Case::robot(r, s)).collect();
     cases.push(Case::robot("skew_humanoid", "right_sole"));
     cases.extend((0..4).map(|k| Case::random(740 + k, 3 + 4 * k as usize)));
@@ -383,21 +383,21 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// A robot with the estimator, which frees readings of a sensor effect and goes on from a fit.
-pub fn estimating() -> Case {
+pub(crate) fn estimating() -> Case {
     let mut case = Case::with_effect("sensor_rotation", "-", ("yaw_rad", 0.02)).informed();
     case.name = "two_link_estimator".to_string();
     case
 }
 
 /// A robot whose reading takes a power and is clamped.
-pub fn exponent() -> Case {
+pub(crate) fn exponent() -> Case {
     let mut case = Case::with_effect("cell_exponent", "fsr_2", ("exponent", 1.1));
     case.functions = Function::ALL.to_vec();
     case
 }
 
 /// Those that differ in kind.
-pub fn few() -> Vec<Case> {
+pub(crate) fn few() -> Vec<Case> {
     let alike = ["humanoid_left", "plain", "quad", "arm", "op2_body"];
     let mut cases = cases();
     cases.retain(|case| !alike.iter().any(|name| case.name.contains(name)));
@@ -405,7 +405,7 @@ pub fn few() -> Vec<Case> {
 }
 
 /// Every case in every scalar.
-pub fn jobs(cases: &[Case]) -> Vec<(&Case, Scalar)> {
+pub(crate) fn jobs(cases: &[Case]) -> Vec<(&Case, Scalar)> {
     let mut jobs = Vec::new();
     for case in cases {
         jobs.extend(case.scalars().iter().map(|scalar| (case, *scalar)));
@@ -414,7 +414,7 @@ pub fn jobs(cases: &[Case]) -> Vec<(&Case, Scalar)> {
 }
 
 /// Servos of every make, one after the other.
-pub fn servos(model: &Model) -> Servos {
+pub(crate) fn servos(model: &Model) -> Servos {
     let settings = model.tree.dofs.iter().enumerate().map(|(k, dof)| {
         let setting = Setting {
             zero: Some([2048, 512, 0, -77][k % 4]),

@@ -9,14 +9,14 @@ use std::sync::Mutex;
 
 use sesc_codegen::emit::c::{Package, Scalar};
 use sesc_test_support::command::scratch;
-pub use sesc_test_support::command::{printed, tool};
+pub(crate) use sesc_test_support::command::{printed, tool};
 
 use super::case::Case;
 use super::draw::{Draw, Drawn, Hold};
 use super::entry::Entry;
 
 /// What every file must pass without a word.
-pub const WARNINGS: [&str; 10] = [
+pub(crate) const WARNINGS: [&str; 10] = [
     "-std=c99",
     "-Wall",
     "-Wextra",
@@ -30,14 +30,14 @@ pub const WARNINGS: [&str; 10] = [
 ];
 
 /// Each product and each sum rounded by itself, as in Rust.
-pub const SEPARATE: &str = "-ffp-contract=off";
+pub(crate) const SEPARATE: &str = "-ffp-contract=off";
 
 /// The folder for the files of one test.
-pub fn folder(name: &str) -> PathBuf {
+pub(crate) fn folder(name: &str) -> PathBuf {
     scratch(&format!("c99/{name}"))
 }
 
-pub fn write(folder: &Path, name: &str, package: &Package) -> PathBuf {
+pub(crate) fn write(folder: &Path, name: &str, package: &Package) -> PathBuf {
     fs::write(folder.join(format!("{name}.h")), &package.header).unwrap();
     let source = folder.join(format!("{name}.c"));
     fs::write(&source, &package.source).unwrap();
@@ -45,7 +45,7 @@ pub fn write(folder: &Path, name: &str, package: &Package) -> PathBuf {
 }
 
 /// The words of a function's row in the tables of a header.
-pub fn row<'h>(header: &'h str, function: &str) -> Vec<&'h str> {
+pub(crate) fn row<'h>(header: &'h str, function: &str) -> Vec<&'h str> {
     let rows = header.lines().filter_map(|line| line.strip_prefix(" * "));
     let mut rows = rows.map(|line| line.split_whitespace().collect::<Vec<&str>>());
     let own = rows.find(|words| words.first() == Some(&function));
@@ -54,7 +54,7 @@ pub fn row<'h>(header: &'h str, function: &str) -> Vec<&'h str> {
 }
 
 /// Run `work` on every item, two at a time.
-pub fn parallel<T: Send, R: Send>(items: Vec<T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
+pub(crate) fn parallel<T: Send, R: Send>(items: Vec<T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
     let count = items.len();
     let queue = Mutex::new(items.into_iter().enumerate());
     let done = Mutex::new(Vec::with_capacity(count));
@@ -80,7 +80,7 @@ pub fn parallel<T: Send, R: Send>(items: Vec<T>, work: impl Fn(T) -> R + Sync) -
 }
 
 /// A program that reads postures and writes the results of chosen functions.
-pub struct Compiled {
+pub(crate) struct Compiled {
     folder: PathBuf,
     program: PathBuf,
     scalar: Scalar,
@@ -91,7 +91,7 @@ pub struct Compiled {
 
 impl Compiled {
     /// Compile the functions of `case`.
-    pub fn plain(
+    pub(crate) fn plain(
         folder: &Path,
         case: &Case,
         scalar: Scalar,
@@ -102,7 +102,7 @@ impl Compiled {
     }
 
     /// Compile the functions of `case`, as `change` leaves their source.
-    pub fn build(
+    pub(crate) fn build(
         folder: &Path,
         case: &Case,
         scalar: Scalar,
@@ -132,7 +132,7 @@ impl Compiled {
     }
 
     /// Fraction bits that the header tells of `quantity`; 0 in floats.
-    pub fn bits(&self, quantity: &str) -> i32 {
+    pub(crate) fn bits(&self, quantity: &str) -> i32 {
         let start = format!("#define {}_{quantity}_FRACTION_BITS ", self.name);
         let mut lines = self.header.lines();
         let line = lines.find_map(|line| line.strip_prefix(&start));
@@ -140,7 +140,7 @@ impl Compiled {
     }
 
     /// The proven bound that the header's table gives; infinite where it says what was seen.
-    pub fn bound(&self, entry: &Entry) -> f64 {
+    pub(crate) fn bound(&self, entry: &Entry) -> f64 {
         match row(&self.header, &entry.name)[5] {
             "none;" | "none" => f64::INFINITY,
             bound => bound.parse().unwrap(),
@@ -148,7 +148,7 @@ impl Compiled {
     }
 
     /// Rounding of a position or velocity to what the scalar holds.
-    pub fn hold(&self) -> Box<Hold> {
+    pub(crate) fn hold(&self) -> Box<Hold> {
         let [q, qd, sc] = ["Q", "QD", "SC"].map(|quantity| self.bits(quantity));
         let has_sines = self.header.contains("_SC_FRACTION_BITS");
         match self.scalar {
@@ -178,7 +178,7 @@ impl Compiled {
     }
 
     /// Results of each entry, in metres, row by row.
-    pub fn run(&self, case: &Case, entries: &[Entry], drawn: &Draw) -> Vec<Vec<f64>> {
+    pub(crate) fn run(&self, case: &Case, entries: &[Entry], drawn: &Draw) -> Vec<Vec<f64>> {
         let (dof, params) = (case.model.dof(), case.model.base.params.len());
         let dofs = case.model.tree.dofs.iter();
         let prismatic: Vec<bool> = dofs.map(|dof| dof.prismatic).collect();

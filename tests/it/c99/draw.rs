@@ -9,7 +9,7 @@ use super::case::Case;
 
 /// Postures, joint velocities and parameters, row by row.
 #[derive(Clone, Default)]
-pub struct Draw {
+pub(crate) struct Draw {
     pub q: Vec<f64>,
     /// Joint velocities.
     pub qd: Vec<f64>,
@@ -25,7 +25,7 @@ pub struct Draw {
 
 impl Draw {
     /// Joint velocities and accelerations that `function` takes.
-    pub fn motion(&self, function: Function) -> [&[f64]; 2] {
+    pub(crate) fn motion(&self, function: Function) -> [&[f64]; 2] {
         match function {
             Function::Zmp => [&self.slow, &self.qdd],
             _ => [&self.qd, &self.qdd],
@@ -35,18 +35,18 @@ impl Draw {
 
 /// What is drawn of a joint.
 #[derive(Clone, Copy, PartialEq)]
-pub enum Drawn {
+pub(crate) enum Drawn {
     Angle,
     Stroke,
     Velocity,
 }
 
 /// A value as a scalar holds it: what it is of, whether rounded up.
-pub type Hold = dyn Fn(f64, Drawn, bool) -> f64;
+pub(crate) type Hold = dyn Fn(f64, Drawn, bool) -> f64;
 
 /// `count` draws: corners of the limits and of the promised parameters among
 /// them, everything in between, positions and velocities such that the scalar holds them.
-pub fn draw(case: &Case, count: usize, seed: u64, hold: &Hold) -> Draw {
+pub(crate) fn draw(case: &Case, count: usize, seed: u64, hold: &Hold) -> Draw {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut rates = ChaCha8Rng::seed_from_u64(!seed);
     let mut drawn = Draw::default();

@@ -8,7 +8,7 @@ use super::case::Case;
 
 /// One C function.
 #[derive(Clone, Debug)]
-pub struct Entry {
+pub(crate) struct Entry {
     pub function: Function,
     /// Whether its parameters are constants.
     pub baked: bool,
@@ -21,7 +21,7 @@ pub struct Entry {
 
 impl Entry {
     /// What it computes, from positions where it takes ticks.
-    pub fn program(&self, case: &Case) -> Option<Program> {
+    pub(crate) fn program(&self, case: &Case) -> Option<Program> {
         let given = self.given.unwrap_or(Given::Positions);
         let program = match self.baked {
             true => case.model.baked_program(self.function, given),
@@ -37,21 +37,21 @@ impl Entry {
         arguments.contains(&argument) && !baked
     }
 
-    pub fn takes_velocities(&self) -> bool {
+    pub(crate) fn takes_velocities(&self) -> bool {
         self.takes(Argument::Velocities)
     }
 
-    pub fn takes_accelerations(&self) -> bool {
+    pub(crate) fn takes_accelerations(&self) -> bool {
         self.takes(Argument::Accelerations)
     }
 
-    pub fn takes_parameters(&self) -> bool {
+    pub(crate) fn takes_parameters(&self) -> bool {
         self.takes(Argument::Parameters)
     }
 
     /// What a call in C passes before the result, of `ticks`, `q`, `sines`, `cosines`, `qd`
     /// (`slow` beside accelerations `qdd`) and `r`.
-    pub fn arguments(&self) -> String {
+    pub(crate) fn arguments(&self) -> String {
         let mut arrays = match self.given {
             None => vec!["ticks"],
             Some(Given::Positions) => vec!["q"],

@@ -46,7 +46,7 @@ fn checked(case: &Case, source: String) -> String {
 }
 
 /// `case` in fixed point, stopped by what overflows.
-pub fn trapping(folder: &Path, case: &Case) -> Compiled {
+pub(crate) fn trapping(folder: &Path, case: &Case) -> Compiled {
     let (change, compiler) = (
         |source| checked(case, source),
         COMPILERS[COMPILERS.len() - 1],
@@ -285,7 +285,7 @@ fn any_position_velocity_and_tick_is_defined_in_fixed_point() {
 }
 
 /// C without its comments.
-pub fn without_comments(source: &str) -> String {
+pub(crate) fn without_comments(source: &str) -> String {
     let mut code = String::new();
     let mut rest = source;
     while let Some((before, after)) = rest.split_once("/*") {

@@ -16,7 +16,7 @@ use super::entry::Entry;
 
 /// Robots of every joint type, with effects that divide, clamp and take powers, with
 /// parameters as constants and with a sensor effect that can be inverted.
-pub fn cases() -> Vec<Case> {
+pub(crate) fn cases() -> Vec<Case> {
     let mut two_link = Case::robot("two_link", "foot");
     two_link.take_values(|_, x| x);
     let mut springs = Case::with_effect("joint_compliance", "all", ("stiffness_nm_per_rad", 200.0));
@@ -234,7 +234,13 @@ int main(void)
 "#;
 
 /// Compiles and runs the comparison; the sum over all results.
-pub fn sum(folder: &Path, case: &Case, scalar: Scalar, command: &[&str], run: &[&str]) -> String {
+pub(crate) fn sum(
+    folder: &Path,
+    case: &Case,
+    scalar: Scalar,
+    command: &[&str],
+    run: &[&str],
+) -> String {
     let label: String = command.concat().replace(['/', '='], "_");
     let folder = folder.join(format!("{}_{scalar:?}_{label}", case.name));
     fs::create_dir_all(&folder).unwrap();

@@ -17,7 +17,7 @@ use crate::c99::fixed::trapping;
 use sesc_test_support::command::{Folder, Sheet, scratch};
 
 /// Each effect by itself.
-pub fn alone(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
+pub(crate) fn alone(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
     let catalog = Catalog::standard();
     let alone = catalog.iter().map(|effect| {
         let all = Hidden::of(effect, &stand.context(), 3);
@@ -28,7 +28,7 @@ pub fn alone(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
 }
 
 /// Three effects of the OP2 at a time.
-pub fn together(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
+pub(crate) fn together(stand: &Stand) -> Vec<(String, Vec<Hidden>)> {
     let robot = vec![
         stand.hidden("joint_compliance", "all", &[400.0]),
         stand.hidden("backlash", "r_knee", &[0.02]),

@@ -38,7 +38,7 @@ const STEP: f64 = 1e-4;
 const POSTURES: usize = 12;
 
 /// The record of an effect.
-pub fn record(
+pub(crate) fn record(
     name: &str,
     target: &str,
     (site, function): (Site, &str),
@@ -175,7 +175,7 @@ fn cases() -> Vec<(EffectRecord, Bend)> {
 }
 
 /// ∂`of`/∂q by differences of fourth order, row-major.
-pub fn slopes<const N: usize>(q: &[f64], of: impl Fn(&[f64]) -> [f64; N]) -> Vec<f64> {
+pub(crate) fn slopes<const N: usize>(q: &[f64], of: impl Fn(&[f64]) -> [f64; N]) -> Vec<f64> {
     let mut slopes = vec![0.0; N * q.len()];
     for j in 0..q.len() {
         let at = |step: f64| {

@@ -12,11 +12,11 @@ use crate::c99::bounds::larger;
 const LARGEST_ERROR: f64 = 1e-9;
 
 /// The model with these effects, cells given.
-pub fn with(stand: &Stand, hidden: &[Hidden]) -> Model {
+pub(crate) fn with(stand: &Stand, hidden: &[Hidden]) -> Model {
     stand.model.clone().with_file(file(stand, hidden)).unwrap()
 }
 
-pub fn file(stand: &Stand, hidden: &[Hidden]) -> ModelFile {
+pub(crate) fn file(stand: &Stand, hidden: &[Hidden]) -> ModelFile {
     let context = stand.context();
     let mut file = ModelFile::from_values(&stand.model, &stand.model.cad_params(), None, "data");
     file.cells = stand.cells.clone();

@@ -10,7 +10,7 @@ use super::robots::Stand;
 
 /// An effect at its target with values as people know them.
 #[derive(Debug, Clone)]
-pub struct Hidden {
+pub(crate) struct Hidden {
     pub instance: Instance,
     pub target: String,
     pub values: Vec<f64>,
@@ -20,7 +20,11 @@ pub struct Hidden {
 ///
 /// # Panics
 /// For an effect that nobody has given any.
-pub fn sizes(effect: &dyn Effect, context: &EffectContext, target: &Target) -> Vec<Vec<f64>> {
+pub(crate) fn sizes(
+    effect: &dyn Effect,
+    context: &EffectContext,
+    target: &Target,
+) -> Vec<Vec<f64>> {
     let stiff = context.weight() * context.height();
     let heavy = context.mass();
     let weight = context.weight();
@@ -57,19 +61,19 @@ pub fn sizes(effect: &dyn Effect, context: &EffectContext, target: &Target) -> V
 ///
 /// # Panics
 /// For an effect that nobody has taught it.
-pub fn hide(world: World, stand: &Stand, hidden: &Hidden) -> World {
+pub(crate) fn hide(world: World, stand: &Stand, hidden: &Hidden) -> World {
     let found = with_effect(world, &stand.model, &hidden.instance, &hidden.values);
     found.unwrap_or_else(|error| panic!("{hidden:?}: {error}"))
 }
 
 /// A virtual robot with all of them.
-pub fn hide_all(world: World, stand: &Stand, hidden: &[Hidden]) -> World {
+pub(crate) fn hide_all(world: World, stand: &Stand, hidden: &[Hidden]) -> World {
     let all = hidden.iter();
     all.fold(world, |world, own| hide(world, stand, own))
 }
 
 impl Hidden {
-    pub fn new(context: &EffectContext, instance: Instance, values: Vec<f64>) -> Hidden {
+    pub(crate) fn new(context: &EffectContext, instance: Instance, values: Vec<f64>) -> Hidden {
         Hidden {
             target: context.name_of(&instance.target),
             instance,
@@ -78,14 +82,23 @@ impl Hidden {
     }
 
     /// An effect by the name of its target.
-    pub fn named(context: &EffectContext, effect: &str, target: &str, values: &[f64]) -> Hidden {
+    pub(crate) fn named(
+        context: &EffectContext,
+        effect: &str,
+        target: &str,
+        values: &[f64],
+    ) -> Hidden {
         let effect = Catalog::standard().named(effect).unwrap();
         let target = context.target_named(effect, target).unwrap();
         Hidden::new(context, Instance { effect, target }, values.to_vec())
     }
 
     /// Every size at up to `most` targets, first and last among them.
-    pub fn of(effect: &'static dyn Effect, context: &EffectContext, most: usize) -> Vec<Hidden> {
+    pub(crate) fn of(
+        effect: &'static dyn Effect,
+        context: &EffectContext,
+        most: usize,
+    ) -> Vec<Hidden> {
         let targets = effect.targets(context);
         assert!(!targets.is_empty(), "{} has no target", effect.id().name());
         let step = (targets.len() - 1).div_ceil(most - 1).max(1);
@@ -103,13 +116,13 @@ impl Hidden {
             .collect()
     }
 
-    pub fn unknowns(&self, context: &EffectContext) -> Vec<f64> {
+    pub(crate) fn unknowns(&self, context: &EffectContext) -> Vec<f64> {
         let Instance { effect, target } = &self.instance;
         effect.unknowns(context, target, &self.values)
     }
 
     /// The record of a model file.
-    pub fn record(&self, context: &EffectContext) -> EffectRecord {
+    pub(crate) fn record(&self, context: &EffectContext) -> EffectRecord {
         let Instance { effect, target } = &self.instance;
         let parameters = effect.parameters(context, target).iter();
         let names = parameters.map(|parameter| parameter.name.to_string());

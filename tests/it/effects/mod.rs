@@ -5,13 +5,13 @@
 //! `hidden.rs` fails.
 
 mod body;
-pub mod compiled;
-pub mod composed;
-pub mod correction;
+pub(crate) mod compiled;
+pub(crate) mod composed;
+pub(crate) mod correction;
 mod families;
-pub mod hidden;
+pub(crate) mod hidden;
 mod records;
-pub mod robots;
+pub(crate) mod robots;
 mod slopes;
 mod together;
 mod verified;

@@ -15,7 +15,7 @@ use super::hidden::Hidden;
 use sesc_test_support::command::ROOT;
 
 /// A robot on its support, and its bent twin's blueprint.
-pub struct Stand {
+pub(crate) struct Stand {
     pub name: &'static str,
     pub model: Model,
     described: sesc_reference::Robot,
@@ -23,18 +23,18 @@ pub struct Stand {
 }
 
 /// With skewed axes and mimics; with prismatic joints; and the one of the paper.
-pub const ROBOTS: [(&str, &str); 3] = [
+pub(crate) const ROBOTS: [(&str, &str); 3] = [
     ("op2", "r_sole"),
     ("skew_humanoid", "left_sole"),
     ("lift_base", "base_link"),
 ];
 
-pub fn urdf(robot: &str) -> String {
+pub(crate) fn urdf(robot: &str) -> String {
     format!("{ROOT}/robots/{robot}/{robot}.urdf")
 }
 
 impl Stand {
-    pub fn new(name: &'static str, support: &str) -> Stand {
+    pub(crate) fn new(name: &'static str, support: &str) -> Stand {
         let robot = Robot::read(Path::new(&urdf(name))).unwrap();
         // The reference takes decimals literally.
         let model = robot.model(support, Snapping::Off, None).unwrap();
@@ -52,35 +52,35 @@ impl Stand {
         }
     }
 
-    pub fn all() -> Vec<Stand> {
+    pub(crate) fn all() -> Vec<Stand> {
         ROBOTS
             .map(|(robot, support)| Stand::new(robot, support))
             .into()
     }
 
-    pub fn context(&self) -> EffectContext<'_> {
+    pub(crate) fn context(&self) -> EffectContext<'_> {
         EffectContext::new(&self.model, &self.cells, true, Catalog::standard())
     }
 
     /// An effect by its name and that of its target.
-    pub fn hidden(&self, effect: &str, target: &str, values: &[f64]) -> Hidden {
+    pub(crate) fn hidden(&self, effect: &str, target: &str, values: &[f64]) -> Hidden {
         Hidden::named(&self.context(), effect, target, values)
     }
 
     /// The robot as its URDF says.
-    pub fn world(&self) -> World {
+    pub(crate) fn world(&self) -> World {
         let tree = &self.model.tree;
         World::new(&self.described, &tree.links[tree.support].name).unwrap()
     }
 
     /// Random postures, joints within ±`range` rad.
-    pub fn postures(&self, count: usize, range: f64, seed: u64) -> Vec<Vec<f64>> {
+    pub(crate) fn postures(&self, count: usize, range: f64, seed: u64) -> Vec<Vec<f64>> {
         let mut simulator = Simulator::new(&self.model.tree.dofs, Some(range), seed);
         (0..count).map(|_| simulator.posture()).collect()
     }
 
     /// Random postures in which the foot stands on all cells.
-    pub fn postures_inside(&self, count: usize) -> Vec<Vec<f64>> {
+    pub(crate) fn postures_inside(&self, count: usize) -> Vec<Vec<f64>> {
         let mut simulator = Simulator::new(&self.model.tree.dofs, Some(0.35), 41);
         let world = self.world();
         let postures = std::iter::repeat_with(|| simulator.posture());
@@ -89,7 +89,7 @@ impl Stand {
     }
 
     /// Whether a CoP lies between the cells.
-    pub fn is_inside(&self, cop: [f64; 2]) -> bool {
+    pub(crate) fn is_inside(&self, cop: [f64; 2]) -> bool {
         (0..2).all(|axis| {
             let all = self.cells.iter().map(|cell| cell[axis]);
             let low = all.clone().fold(f64::INFINITY, f64::min);
@@ -99,17 +99,17 @@ impl Stand {
     }
 
     /// The reading and its slopes in each unknown, rows x and y.
-    pub fn reading(&self, instances: &[Instance], params: &[f64]) -> Program {
+    pub(crate) fn reading(&self, instances: &[Instance], params: &[f64]) -> Program {
         effects::reading(&self.context(), instances, params)
     }
 
-    pub fn posture_context(&self) -> PostureContext {
+    pub(crate) fn posture_context(&self) -> PostureContext {
         PostureContext::of(&self.model)
     }
 }
 
 /// What `program` makes of one posture, unknowns and posture context.
-pub fn run(program: &Program, arrays: &[&[f64]]) -> Vec<f64> {
+pub(crate) fn run(program: &Program, arrays: &[&[f64]]) -> Vec<f64> {
     let tape = Tape::new(program);
     let mut out = vec![0.0; tape.outputs()];
     let arguments: Vec<Values> = arrays.iter().map(|x| Values::Shared(x)).collect();
@@ -117,6 +117,6 @@ pub fn run(program: &Program, arrays: &[&[f64]]) -> Vec<f64> {
     out
 }
 
-pub fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+pub(crate) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }

@@ -65,7 +65,7 @@ fn every_effect_bends_the_reading_as_it_bends_the_robot() {
     }
 }
 
-pub struct Found {
+pub(super) struct Found {
     /// Largest distance of formula and robot, m.
     pub off: f64,
     /// How far the effect moves the reading at most.
@@ -73,12 +73,12 @@ pub struct Found {
 }
 
 /// Formula and robot in random postures of a log.
-pub fn compare(stand: &Stand, hidden: &Hidden) -> Found {
+pub(super) fn compare(stand: &Stand, hidden: &Hidden) -> Found {
     compare_all(stand, std::slice::from_ref(hidden))
 }
 
 /// The same for several effects at once.
-pub fn compare_all(stand: &Stand, hidden: &[Hidden]) -> Found {
+pub(super) fn compare_all(stand: &Stand, hidden: &[Hidden]) -> Found {
     let context = stand.context();
     let instances: Vec<_> = hidden.iter().map(|h| h.instance.clone()).collect();
     let unknowns: Vec<f64> = hidden.iter().flat_map(|h| h.unknowns(&context)).collect();

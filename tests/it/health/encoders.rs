@@ -30,7 +30,7 @@ fn finds_stuck(stage: &Stage, recording: &Recording, joint: &str) {
 }
 
 /// What a fit of the log of a diagnosis finds.
-pub fn fitted(of_diagnosis: diagnose::Request) -> Vec<(String, String)> {
+pub(super) fn fitted(of_diagnosis: diagnose::Request) -> Vec<(String, String)> {
     let mut request = fit::Request::default();
     request.robot = Some(of_diagnosis.robot);
     request.logs = vec![of_diagnosis.log];

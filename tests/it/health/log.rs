@@ -16,12 +16,12 @@ use sesc_test_support::stage::{Platform, Stage};
 
 use crate::asked::{diagnosed, fitted, kinds, robot};
 
-pub const POSTURES: usize = 80;
-pub const NOISE_M: f64 = 3e-4;
+pub(super) const POSTURES: usize = 80;
+pub(super) const NOISE_M: f64 = 3e-4;
 
 /// A log of the OP2 while it is broken.
 #[derive(Clone)]
-pub struct Log {
+pub(super) struct Log {
     pub robot: Arc<Robot>,
     pub joints: Vec<String>,
     pub q: Vec<Vec<f64>>,
@@ -36,7 +36,7 @@ pub struct Log {
 
 impl Log {
     /// Postures of a world that stands on `foot`; `fixed` joints do not move.
-    pub fn of(foot: &str, fixed: &[&str], hide: impl Fn(World) -> World, seed: u64) -> Log {
+    pub(super) fn of(foot: &str, fixed: &[&str], hide: impl Fn(World) -> World, seed: u64) -> Log {
         let stage = Stage::new(Platform::Op2);
         let robot = robot(&stage);
         let model = robot.model(foot, Snapping::default(), None).unwrap();
@@ -65,14 +65,14 @@ impl Log {
     }
 
     /// The same, whose encoder of a joint says `at` all the time.
-    pub fn stuck(mut self, joint: &str, at: f64) -> Log {
+    pub(super) fn stuck(mut self, joint: &str, at: f64) -> Log {
         let joint = self.joints.iter().position(|name| name == joint).unwrap();
         self.q.iter_mut().for_each(|q| q[joint] = at);
         self
     }
 
     /// Joints and readings.
-    pub fn recording(&self) -> Recording {
+    pub(super) fn recording(&self) -> Recording {
         Recording {
             joints: self.joints.clone(),
             q: self.q.clone(),
@@ -81,7 +81,7 @@ impl Log {
         }
     }
 
-    pub fn examine(&self, support: &str) -> Health {
+    pub(super) fn examine(&self, support: &str) -> Health {
         let model = self.robot.model(support, Snapping::default(), None);
         let (q, cop) = (self.q.concat(), self.cop.concat());
         let data = Postures::given(self.joints.len(), &q, &cop, NOISE_M, FLOOR_M);
@@ -113,7 +113,7 @@ impl Log {
     }
 
     /// What a fit of masses says.
-    pub fn fit(&self) -> Identification {
+    pub(super) fn fit(&self) -> Identification {
         let mut request = fit::Request::default();
         request.robot = Some(self.robot.clone());
         request.logs = vec![self.source()];
@@ -123,7 +123,7 @@ impl Log {
     }
 
     /// What a diagnosis on the right sole says.
-    pub fn diagnose(&self) -> Diagnosis {
+    pub(super) fn diagnose(&self) -> Diagnosis {
         self.diagnose_on("r_sole")
     }
 
@@ -137,7 +137,7 @@ impl Log {
 
 /// The finding of this kind, and no other; where nothing can be used it is drawn, and every row is
 /// shown as the robot stood in it.
-pub fn finds(log: &Log, support: &str, kind: &str, target: &str, usable: bool) {
+pub(super) fn finds(log: &Log, support: &str, kind: &str, target: &str, usable: bool) {
     let found = log.diagnose_on(support);
     assert_eq!(kinds(&found.health), [(kind, target)]);
     assert_eq!(found.verdict == Verdict::Unusable, !usable);
@@ -151,7 +151,7 @@ pub fn finds(log: &Log, support: &str, kind: &str, target: &str, usable: bool) {
     }
 }
 
-pub fn finds_nothing(log: &Log, case: u64) {
+pub(super) fn finds_nothing(log: &Log, case: u64) {
     let found = log.examine("r_sole");
     assert!(found.findings.is_empty(), "{case}: {:?}", found.findings);
 }

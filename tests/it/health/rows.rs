@@ -15,12 +15,12 @@ use crate::asked::kinds;
 /// An offset that is to be found in what is left.
 const OFFSET: f64 = 0.05;
 
-pub fn hidden(w: World) -> World {
+pub(super) fn hidden(w: World) -> World {
     w.joint_offset("r_ank_pitch", OFFSET).unwrap()
 }
 
 /// The kinds and targets of all findings; the rest is diagnosed as ever.
-pub fn found_beside(log: &Log) -> Vec<(String, String)> {
+pub(super) fn found_beside(log: &Log) -> Vec<(String, String)> {
     let found = log.diagnose();
     let group = ["r_ank_pitch", "r_knee", "r_hip_pitch", "ground_slope"];
     let one = |all: &Vec<String>| all.len() == 1 && group.iter().any(|g| all[0].contains(g));
@@ -30,12 +30,12 @@ pub fn found_beside(log: &Log) -> Vec<(String, String)> {
     owned(&found.health)
 }
 
-pub fn only(kind: &str, target: &str) -> Vec<(String, String)> {
+pub(super) fn only(kind: &str, target: &str) -> Vec<(String, String)> {
     vec![(kind.to_string(), target.to_string())]
 }
 
 /// Kinds of findings, and what each is of.
-pub fn owned(health: &[Finding]) -> Vec<(String, String)> {
+pub(super) fn owned(health: &[Finding]) -> Vec<(String, String)> {
     let named = kinds(health).into_iter();
     named
         .map(|(kind, target)| (kind.to_string(), target.to_string()))

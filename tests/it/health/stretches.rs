@@ -55,12 +55,12 @@ fn swing(seed: u64) -> Recording {
 }
 
 /// What a diagnosis finds wrong with the data of a recording.
-pub fn looked(stage: &Stage, recording: &Recording) -> Vec<(String, String)> {
+pub(super) fn looked(stage: &Stage, recording: &Recording) -> Vec<(String, String)> {
     looked_at(&of_recording(stage, recording))
 }
 
 /// What a diagnosis finds wrong with the data that it is asked about.
-pub fn looked_at(request: &diagnose::Request) -> Vec<(String, String)> {
+pub(super) fn looked_at(request: &diagnose::Request) -> Vec<(String, String)> {
     owned(&diagnose::look(request, &mut ()).unwrap())
 }
 

@@ -55,7 +55,12 @@ fn package(scalar: Scalar) -> c::Package {
 }
 
 /// Quotient, clamp, power and maximum of each pair, one after the other.
-pub fn run(precision: Precision, compiler: &str, flags: &[&str], pairs: &[[f64; 2]]) -> Vec<f64> {
+pub(super) fn run(
+    precision: Precision,
+    compiler: &str,
+    flags: &[&str],
+    pairs: &[[f64; 2]],
+) -> Vec<f64> {
     let name = format!("{precision:?}_{compiler}{}", flags.concat());
     let folder = fresh(&format!("operations/{name}"));
     let (scalar, size) = match precision {

@@ -7,7 +7,7 @@ use sesc_model::expr::{Argument, Graph, Id};
 use sesc_model::program::{Array, Program, Shape};
 
 /// A program of the arrays x (`q`) and y (`r`), with the ranges of what they hold.
-pub struct Case {
+pub(super) struct Case {
     pub name: &'static str,
     pub program: Program,
     /// ∂ outputs / ∂ x[0], ∂ x[1], …
@@ -55,13 +55,13 @@ impl Case {
         }
     }
 
-    pub fn inputs(&self) -> [Vec<Input>; 2] {
+    pub(super) fn inputs(&self) -> [Vec<Input>; 2] {
         let exact = |[lower, upper]: &[f64; 2]| Input::exact(*lower, *upper);
         [0, 1].map(|k| self.ranges[k].iter().map(exact).collect())
     }
 
     /// Random rows of x and y, numbers of an `f32`.
-    pub fn rows(&self, count: usize) -> Vec<[Vec<f64>; 2]> {
+    pub(super) fn rows(&self, count: usize) -> Vec<[Vec<f64>; 2]> {
         let mut rng = ChaCha8Rng::seed_from_u64(31);
         let mut draw = |[lower, upper]: &[f64; 2]| {
             let x = lower + rng.random::<f64>() * (upper - lower);
@@ -89,7 +89,7 @@ fn weighed(g: &mut Graph, loads: &[Id], gains: &[Id]) -> Vec<Id> {
     moments.map(|moment| g.div(moment, sum)).to_vec()
 }
 
-pub fn cases() -> Vec<Case> {
+pub(super) fn cases() -> Vec<Case> {
     let loads = || vec![[4.0, 6.0]; 4];
     vec![
         Case::new("gains", [loads(), vec![[0.8, 1.2]; 4]], weighed),
@@ -158,7 +158,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// The operations by themselves, for whatever numbers there are.
-pub fn bare() -> Case {
+pub(super) fn bare() -> Case {
     let any = || vec![[f64::NEG_INFINITY, f64::INFINITY]];
     Case::new("bare", [any(), any()], |g, x, y| {
         let (quotient, inside) = (g.div(x[0], y[0]), g.clamp(x[0]));
@@ -168,7 +168,7 @@ pub fn bare() -> Case {
 }
 
 /// Numbers at every edge, and their pairs.
-pub fn edges() -> Vec<[Vec<f64>; 2]> {
+pub(super) fn edges() -> Vec<[Vec<f64>; 2]> {
     let mut all = vec![
         0.0, 1e-40, 1e-45, 0.5, 0.9999999, 1.0, 1.0000001, 1.5, 2.0, 3.0,
     ];

@@ -13,7 +13,7 @@ use crate::diagnose::criteria;
 use crate::diagnose::hypothesis::{CarriedExplanation, Term};
 
 /// Sides of a block, written into its posture context, with the penalty of the unlikely ones.
-pub struct Sides {
+pub(crate) struct Sides {
     pub posture_context: Vec<f64>,
     pub penalty: f64,
     /// Postures with a joint on its unlikely side.
@@ -22,7 +22,12 @@ pub struct Sides {
 
 /// The side of every slack joint in every posture of each block: gravity's, and where that is
 /// nearly even and the unknowns are `fitted`, the reading's.
-pub fn settle(problem: &Problem, terms: &[Term], unknowns: &[f64], fitted: bool) -> Vec<Sides> {
+pub(crate) fn settle(
+    problem: &Problem,
+    terms: &[Term],
+    unknowns: &[f64],
+    fitted: bool,
+) -> Vec<Sides> {
     let blocks = problem.blocks.iter();
     let blocks = blocks.map(|block| (block, problem.carried(block, terms, unknowns)));
     let blocks: Vec<(&Block, CarriedExplanation)> = blocks.collect();

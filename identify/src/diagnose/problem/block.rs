@@ -41,7 +41,7 @@ use crate::watch::Watch;
 
 /// Rows of one log in one support.
 #[derive(Clone)]
-pub struct Block<'m> {
+pub(crate) struct Block<'m> {
     /// The robot on this support, with the masses about which the log is explained.
     pub model: &'m Model,
     pub context: EffectContext<'m>,
@@ -75,7 +75,7 @@ pub struct Block<'m> {
 }
 
 /// What a model file predicts of a log, posture by posture.
-pub struct InFile {
+pub(crate) struct InFile {
     /// x, y, m.
     pub readings: Vec<f64>,
     /// How far into its dead band each joint is.
@@ -109,7 +109,7 @@ fn bends(term: &Term) -> bool {
 
 /// Why noise is not told from a misfit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Untold {
+pub(crate) enum Untold {
     /// Nothing states it, and readings are fewer than twice the directions of the masses.
     Few { rows: usize, directions: usize },
     /// It lasts for more than a fifth of the log.
@@ -172,7 +172,7 @@ impl<'m> Block<'m> {
     }
 
     /// This log as one of an `experiment` beside the `first`.
-    pub fn beside(self, first: &Block, experiment: Experiment) -> Block<'m> {
+    pub(crate) fn beside(self, first: &Block, experiment: Experiment) -> Block<'m> {
         let elsewhere = self.model.support() != first.model.support();
         Block {
             shift: elsewhere.then(|| Arc::new(self.model.params_from(first.context.robot))),
@@ -200,7 +200,7 @@ impl<'m> Block<'m> {
 
     /// The same robot on another support: nothing can be fitted there, explanations can be
     /// evaluated.
-    pub fn on<'o>(&self, model: &'o Model) -> Block<'o>
+    pub(crate) fn on<'o>(&self, model: &'o Model) -> Block<'o>
     where
         'm: 'o,
     {
@@ -325,7 +325,7 @@ impl<'m> Block<'m> {
     }
 
     /// Why noise is not told from a misfit, if it is not; `sole`: its corners, m.
-    pub fn why_untold(&self, sole: Option<[[f64; 2]; 2]>) -> Option<Untold> {
+    pub(crate) fn why_untold(&self, sole: Option<[[f64; 2]; 2]>) -> Option<Untold> {
         let data = &self.data;
         let unknown = data.noise_source == NoiseSource::Residuals;
         // What masses leave of few readings says little.
@@ -418,7 +418,7 @@ impl<'m> Block<'m> {
     }
 
     /// Readings and derivatives of as many postures as there are contexts: per posture x then y, each value, ∂/∂e_1, ….
-    pub fn evaluate(
+    pub(crate) fn evaluate(
         &self,
         terms: &[Term],
         unknowns: &[f64],
@@ -625,7 +625,12 @@ impl<'m> Block<'m> {
     }
 
     /// Joint positions of every posture as a hypothesis bends them.
-    pub fn bent(&self, terms: &[Term], unknowns: &[f64], posture_context: &[f64]) -> Vec<f64> {
+    pub(crate) fn bent(
+        &self,
+        terms: &[Term],
+        unknowns: &[f64],
+        posture_context: &[f64],
+    ) -> Vec<f64> {
         if !terms.iter().any(bends) {
             return self.data.q.clone();
         }

@@ -26,7 +26,7 @@ const ROUNDS: usize = 4;
 
 impl Problem<'_> {
     /// The best fit of a hypothesis from wherever it may be begun.
-    pub fn fit(&self, terms: &[Term], parent: Option<&Fit>) -> Fit {
+    pub(crate) fn fit(&self, terms: &[Term], parent: Option<&Fit>) -> Fit {
         let starts = self.starts(terms, parent).into_iter();
         let fits = starts.map(|start| self.fit_from(terms, start));
         fits.min_by(|a, b| a.objective.total_cmp(&b.objective))
@@ -53,7 +53,7 @@ impl Problem<'_> {
         starts
     }
 
-    pub fn fit_from(&self, terms: &[Term], start: Vec<f64>) -> Fit {
+    pub(crate) fn fit_from(&self, terms: &[Term], start: Vec<f64>) -> Fit {
         let slack = terms.iter().any(|term| term.dead_band().is_some());
         let outlying = terms.contains(&Term::Outliers);
         let mut unknowns = start;
@@ -183,7 +183,7 @@ impl Problem<'_> {
         Some(spread)
     }
 
-    pub fn scales(&self, terms: &[Term]) -> Vec<f64> {
+    pub(crate) fn scales(&self, terms: &[Term]) -> Vec<f64> {
         let scales = terms.iter().flat_map(|term| term.scales(self.context()));
         scales.collect()
     }
@@ -272,13 +272,13 @@ pub(in crate::diagnose) struct Weighting<'w> {
 }
 
 impl Weighting<'_> {
-    pub fn weigh(&self, rows: &mut DMatrix<f64>) {
+    pub(crate) fn weigh(&self, rows: &mut DMatrix<f64>) {
         let roots = self.root.iter().flatten().enumerate();
         roots.for_each(|(row, root)| rows.row_mut(row).scale_mut(*root));
     }
 
     /// Whitened residuals of a fit as they count.
-    pub fn residual(&self, fit: &Fit) -> DVector<f64> {
+    pub(crate) fn residual(&self, fit: &Fit) -> DVector<f64> {
         let mut residual = DMatrix::from_columns(&[fit.residual()]);
         self.weigh(&mut residual);
         residual.column(0).into_owned()

@@ -44,7 +44,7 @@ impl<'r> Key<'r> {
         }
     }
 
-    pub fn of_finding(finding: &'r Finding) -> Key<'r> {
+    pub(super) fn of_finding(finding: &'r Finding) -> Key<'r> {
         Key {
             effect: finding.kind.name(),
             target: &finding.target,
@@ -52,7 +52,7 @@ impl<'r> Key<'r> {
     }
 
     /// As diagnoses write it: `effect:target`, or `effect`.
-    pub fn label(self) -> String {
+    pub(super) fn label(self) -> String {
         match self.target {
             "-" => self.effect.to_string(),
             target => format!("{}:{target}", self.effect),
@@ -60,24 +60,24 @@ impl<'r> Key<'r> {
     }
 
     /// The effect in sentences.
-    pub fn subject(self) -> String {
+    pub(super) fn subject(self) -> String {
         subject(self.effect, self.target)
     }
 
     /// The effect in a row's explanation, if it is there.
-    pub fn found(self, row: &Row) -> Option<&EffectFound> {
+    pub(super) fn found(self, row: &Row) -> Option<&EffectFound> {
         let mut effects = row.effects.explanation.iter();
         effects.find(|found| Key::of(found) == self)
     }
 
     /// Whether another explanation that the data allow as well has the effect.
-    pub fn is_possible(self, row: &Row) -> bool {
+    pub(super) fn is_possible(self, row: &Row) -> bool {
         let mut instead = row.effects.instead.iter().flatten();
         instead.any(|other| *other == self.label())
     }
 
     /// What a row says of the size of the effect: that of its explanation, else alone.
-    pub fn scored(self, row: &Row) -> Option<&EffectFound> {
+    pub(super) fn scored(self, row: &Row) -> Option<&EffectFound> {
         let mut all = row.effects.explanation.iter().chain(&row.effects.scores);
         all.find(|found| Key::of(found) == self)
     }
@@ -110,24 +110,24 @@ pub(super) fn histories(rows: &[Row]) -> Vec<History<'_>> {
 
 impl<'r> History<'r> {
     /// Rows that say something of the robot.
-    pub fn usable(&self) -> impl Iterator<Item = &'r Row> {
+    pub(super) fn usable(&self) -> impl Iterator<Item = &'r Row> {
         self.rows.iter().copied().filter(|row| row.is_usable())
     }
 
     /// Whether most of its usable rows have effects in their explanation.
-    pub fn has_effects(&self) -> bool {
+    pub(super) fn has_effects(&self) -> bool {
         let has = |row: &&Row| !row.effects.explanation.is_empty();
         2 * self.usable().filter(has).count() > self.usable().count()
     }
 
     /// Rows of which something came, whether it says something of the robot or not.
-    pub fn with_results(&self) -> Vec<&'r Row> {
+    pub(super) fn with_results(&self) -> Vec<&'r Row> {
         let rows = self.rows.iter().copied();
         rows.filter(|row| row.has_result()).collect()
     }
 
     /// Rows whose numbers can be held against each other: of one URDF and support.
-    pub fn stretches(&self) -> Vec<Vec<&'r Row>> {
+    pub(super) fn stretches(&self) -> Vec<Vec<&'r Row>> {
         let mut stretches: BTreeMap<(&str, &str), Vec<&Row>> = BTreeMap::new();
         for row in self.usable() {
             let key = (row.urdf_hash.as_str(), row.support.as_str());
@@ -137,14 +137,14 @@ impl<'r> History<'r> {
     }
 
     /// Every effect that a row has a size of.
-    pub fn scored(&self) -> BTreeSet<Key<'r>> {
+    pub(super) fn scored(&self) -> BTreeSet<Key<'r>> {
         let effects = self.usable().map(|row| &row.effects);
         let effects = effects.flat_map(|own| own.explanation.iter().chain(&own.scores));
         effects.map(Key::of).collect()
     }
 
     /// Every effect of any explanation.
-    pub fn keys(&self) -> BTreeSet<Key<'r>> {
+    pub(super) fn keys(&self) -> BTreeSet<Key<'r>> {
         self.usable().flat_map(explained).collect()
     }
 }

@@ -82,30 +82,30 @@ pub(super) struct LogRows {
 }
 
 impl LogRows {
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.block.len()
     }
 
-    pub fn readings(&self) -> &[[f64; 2]] {
+    pub(super) fn readings(&self) -> &[[f64; 2]] {
         self.block.reading.as_deref().unwrap_or_default()
     }
 
     /// s; empty of logs without.
-    pub fn times(&self) -> &[f64] {
+    pub(super) fn times(&self) -> &[f64] {
         self.block.t.as_deref().unwrap_or_default()
     }
 
-    pub fn q(&self, row: usize) -> &[f64] {
+    pub(super) fn q(&self, row: usize) -> &[f64] {
         self.block.joints(row)
     }
 
     /// Forces of the cells of a row, N; none where the log has a CoP.
-    pub fn force(&self, row: usize) -> &[f64] {
+    pub(super) fn force(&self, row: usize) -> &[f64] {
         self.block.forces(row)
     }
 
     /// Cells of a row.
-    pub fn cells(&self) -> usize {
+    pub(super) fn cells(&self) -> usize {
         self.block.cells.as_ref().map_or(0, |cells| cells.count)
     }
 
@@ -115,13 +115,13 @@ impl LogRows {
     }
 
     /// Number of a row from 1: among those on this support, or in the log where not all are here.
-    pub fn number(&self, row: usize) -> usize {
+    pub(super) fn number(&self, row: usize) -> usize {
         let before = self.block.line[row].saturating_sub(self.block.line[0]);
         1 + if self.is_part { before as usize } else { row }
     }
 
     /// Some of the rows, in words that say what they are part of where that is not the log.
-    pub fn some(&self, count: usize) -> String {
+    pub(super) fn some(&self, count: usize) -> String {
         if self.is_part {
             return format!("{count} of {}", self.total());
         }
@@ -129,13 +129,13 @@ impl LogRows {
     }
 
     /// All rows, in words that say what they are part of.
-    pub fn total(&self) -> String {
+    pub(super) fn total(&self) -> String {
         let part = self.is_part.then_some(" that were looked at");
         format!("{} rows{}", self.len(), part.unwrap_or_default())
     }
 
     /// A row as figures show it.
-    pub fn row(&self, row: usize) -> Row {
+    pub(super) fn row(&self, row: usize) -> Row {
         Row {
             number: self.number(row),
             ..Row::among(&self.block.pose, &self.block.q, row)
@@ -143,7 +143,7 @@ impl LogRows {
     }
 
     /// A finding with a picture of one value of every row.
-    pub fn finding(
+    pub(super) fn finding(
         &self,
         (kind, target, sentence): (Kind, &str, String),
         title: &str,
@@ -165,7 +165,7 @@ impl LogRows {
     }
 
     /// Some of the rows with their readings as they are.
-    pub fn as_read(&self, rows: &[usize]) -> Vec<(usize, [f64; 2])> {
+    pub(super) fn as_read(&self, rows: &[usize]) -> Vec<(usize, [f64; 2])> {
         rows.iter().map(|&k| (k, self.readings()[k])).collect()
     }
 
@@ -176,7 +176,7 @@ impl LogRows {
     }
 
     /// Rows that stay by these rules, stopped encoders and copies aside.
-    pub fn kept(&self, rules: &LeftOut) -> Vec<usize> {
+    pub(super) fn kept(&self, rules: &LeftOut) -> Vec<usize> {
         let stays = |&k: &usize| rules.keeps(&self.block, k);
         (0..self.len()).filter(stays).collect()
     }
@@ -185,7 +185,7 @@ impl LogRows {
     ///
     /// # Errors
     /// What is wrong with the log: also that its rows are copies of one or two.
-    pub fn read(
+    pub(super) fn read(
         samples: &Samples,
         On { robot, model, .. }: On,
         noise: Option<f64>,
@@ -264,7 +264,7 @@ impl LogRows {
 
     /// The `chosen` rows as postures: as they were read, and without what motion adds to their
     /// readings where they are far from CAD.
-    pub fn views<'a>(&self, chosen: &[usize], on: On<'a>) -> Vec<View<'a>> {
+    pub(super) fn views<'a>(&self, chosen: &[usize], on: On<'a>) -> Vec<View<'a>> {
         let mut views = vec![self.view(on, &self.as_read(chosen))];
         let gap = |&k: &usize| [0, 1].map(|axis| self.readings()[k][axis] - self.cad[k][axis]);
         let least = self.noise.map_or(UNKNOWN_NOISE_M, |noise| SHOWS * noise);

@@ -94,13 +94,13 @@ impl LessKnown {
 
 impl LeftOut {
     /// Whether encoders at positions `q` follow their joints.
-    pub fn follows(&self, q: &[f64]) -> bool {
+    pub(crate) fn follows(&self, q: &[f64]) -> bool {
         let mut parked = self.parked.iter();
         !parked.any(|(joint, at)| (q[*joint] - at).abs() <= STILL)
     }
 
     /// Whether a row of a block with readings stays.
-    pub fn keeps(&self, block: &Block, row: usize) -> bool {
+    pub(crate) fn keeps(&self, block: &Block, row: usize) -> bool {
         let Some(&reading) = block.reading.as_ref().and_then(|all| all.get(row)) else {
             return true;
         };

@@ -46,7 +46,7 @@ pub(super) struct Weighed<'r> {
 impl<'r> Weighed<'r> {
     /// Rows that stay by these rules; none of a log without total force, or where that is not the
     /// weight. The sum of foot cells is not calibrated, and weighs nothing.
-    pub fn new(rows: &'r LogRows, model: &Model, rules: &LeftOut) -> Option<Weighed<'r>> {
+    pub(super) fn new(rows: &'r LogRows, model: &Model, rules: &LeftOut) -> Option<Weighed<'r>> {
         let load = rows.block.load.as_ref()?;
         let own = rows.kept(rules);
         let gravity = |k: &usize| match &rows.block.gravity {
@@ -142,7 +142,7 @@ impl<'r> Weighed<'r> {
     }
 
     /// Take out the stretches in which something else carries the robot.
-    pub fn held(&mut self, left_out: &mut LeftOut) -> Option<Finding> {
+    pub(super) fn held(&mut self, left_out: &mut LeftOut) -> Option<Finding> {
         let typical = quantile(self.mass.iter().copied(), 0.5)?;
         let least = typical.min(self.cad);
         let steps = self.mass.windows(2).map(|pair| (pair[1] - pair[0]).abs());
@@ -175,7 +175,7 @@ impl<'r> Weighed<'r> {
     }
 
     /// What the log weighs, and a finding where that has two levels.
-    pub fn weight(&self) -> (Option<Weight>, Option<Finding>) {
+    pub(super) fn weight(&self) -> (Option<Weight>, Option<Finding>) {
         if self.mass.len() < STRETCHES {
             return (None, None);
         }

@@ -34,7 +34,7 @@ pub(super) struct JointState {
 }
 
 impl JointState {
-    pub fn decode(cdr: &mut Cdr) -> Result<JointState, String> {
+    pub(super) fn decode(cdr: &mut Cdr) -> Result<JointState, String> {
         let (names, positions, velocities) = (cdr.strings()?, cdr.doubles()?, cdr.doubles()?);
         let count = names.len();
         // The standard allows a message of velocities alone.

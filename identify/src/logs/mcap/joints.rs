@@ -71,7 +71,7 @@ struct Joint {
 
 impl States {
     /// States of joints of these names, of a robot with these.
-    pub fn new(names: &[String], dofs: &[Dof]) -> States {
+    pub(super) fn new(names: &[String], dofs: &[Dof]) -> States {
         let joint = |name: &String| {
             let dof = dofs.iter().find(|dof| dof.joint.trim() == name);
             let limit = dof.map_or(0.0, |dof| dof.speed);
@@ -96,7 +96,7 @@ impl States {
     }
 
     /// Take the next message; gives back the state before it, if it is the robot's.
-    pub fn push(&mut self, t: f64, message: &JointState) -> Option<State> {
+    pub(super) fn push(&mut self, t: f64, message: &JointState) -> Option<State> {
         self.seen += 1;
         let (mut q, mut speed) = (Vec::with_capacity(message.joints.len()), 0.0_f64);
         for (name, position, velocity) in &message.joints {
@@ -124,7 +124,7 @@ impl States {
     ///
     /// # Errors
     /// Where they are more than a quarter: which are the robot's cannot be told.
-    pub fn conclude(&self) -> Result<Option<String>, String> {
+    pub(super) fn conclude(&self) -> Result<Option<String>, String> {
         if self.left_out == 0 {
             return Ok(None);
         }
@@ -258,13 +258,13 @@ pub(super) struct Waiting<R, const N: usize> {
 
 impl<R> Waiting<R, 1> {
     /// Readings that wait for the positions of `dof` joints.
-    pub fn for_joints(dof: usize) -> Waiting<R, 1> {
+    pub(super) fn for_joints(dof: usize) -> Waiting<R, 1> {
         Waiting::new(dof, SIDE, KEPT_S)
     }
 }
 
 impl<R, const N: usize> Waiting<R, N> {
-    pub fn new(senders: usize, side: usize, kept: f64) -> Waiting<R, N> {
+    pub(super) fn new(senders: usize, side: usize, kept: f64) -> Waiting<R, N> {
         Waiting {
             tracks: (0..senders).map(|_| Track(VecDeque::new())).collect(),
             readings: VecDeque::new(),
@@ -275,7 +275,7 @@ impl<R, const N: usize> Waiting<R, N> {
     }
 
     /// A reading at time `t`.
-    pub fn reading(&mut self, t: f64, reading: R) {
+    pub(super) fn reading(&mut self, t: f64, reading: R) {
         if t.is_finite() && self.readings.len() < MOST {
             self.readings.push_back((t, reading));
         } else {
@@ -284,14 +284,14 @@ impl<R, const N: usize> Waiting<R, N> {
     }
 
     /// What a sender says at time `t`.
-    pub fn message(&mut self, sender: usize, t: f64, values: [f64; N]) {
+    pub(super) fn message(&mut self, sender: usize, t: f64, values: [f64; N]) {
         let first = self.readings.front().map_or(t, |(at, _)| at.min(t));
         self.tracks[sender].push(t, values, first - self.kept);
     }
 
     /// The next reading for which all is known, with what each sender says at its time; of the last
     /// ones where the recording has `ended`.
-    pub fn next(&mut self, ended: bool) -> Option<(R, Vec<[f64; N]>)> {
+    pub(super) fn next(&mut self, ended: bool) -> Option<(R, Vec<[f64; N]>)> {
         let side = self.side;
         while let Some((t, reading)) = self.readings.pop_front() {
             let is_past = |own: &Track<N>| {
@@ -321,7 +321,7 @@ pub(super) struct Contacts<R> {
 }
 
 impl<R> Contacts<R> {
-    pub fn new() -> Contacts<R> {
+    pub(super) fn new() -> Contacts<R> {
         Contacts {
             waiting: Waiting::new(1, 1, LONGEST_S),
             lifted: 0,
@@ -329,17 +329,17 @@ impl<R> Contacts<R> {
     }
 
     /// A reading of the support at time `t`, s, under a force, N.
-    pub fn reading(&mut self, t: f64, force: f64, reading: R) {
+    pub(super) fn reading(&mut self, t: f64, force: f64, reading: R) {
         self.waiting.reading(t, (force.abs(), reading));
     }
 
     /// Whether the other contact never came.
-    pub fn has_no_other(&self) -> bool {
+    pub(super) fn has_no_other(&self) -> bool {
         self.waiting.tracks[0].0.is_empty()
     }
 
     /// A wrench of the other contact.
-    pub fn other(&mut self, t: f64, wrench: [[f64; 3]; 2]) {
+    pub(super) fn other(&mut self, t: f64, wrench: [[f64; 3]; 2]) {
         let cop = centre(wrench).filter(|cop| cop.iter().all(|x| x.is_finite()));
         let force = cop.map_or(0.0, |_| wrench[0][2].abs());
         let [x, y] = cop.unwrap_or([0.0; 2]).map(|x| force * x);
@@ -348,7 +348,7 @@ impl<R> Contacts<R> {
 
     /// The next reading with what the other contact has; of the last ones where the recording has
     /// `ended`.
-    pub fn next(&mut self, ended: bool) -> Option<(R, Share)> {
+    pub(super) fn next(&mut self, ended: bool) -> Option<(R, Share)> {
         while let Some(((own, reading), other)) = self.waiting.next(ended) {
             let [force, x, y] = other[0];
             if force >= LEAST_LOAD_N {
@@ -364,7 +364,7 @@ impl<R> Contacts<R> {
     }
 
     /// What is said of `readings` that were left out.
-    pub fn conclude(&self, readings: u64) -> Option<String> {
+    pub(super) fn conclude(&self, readings: u64) -> Option<String> {
         let (lifted, alone) = (self.lifted, self.waiting.left_out);
         (lifted + alone > 0).then(|| {
             format!(

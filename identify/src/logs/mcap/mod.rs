@@ -103,7 +103,7 @@ pub(super) struct McapSource {
 
 impl McapSource {
     /// Look which joints and readings the recording has, then start over.
-    pub fn open(
+    pub(super) fn open(
         place: &Place,
         dofs: &[Dof],
         options: &Options,

@@ -52,7 +52,7 @@ impl Message {
     ///
     /// # Errors
     /// What is wrong with it, and its topic.
-    pub fn decoded<T>(
+    pub(super) fn decoded<T>(
         &self,
         decode: impl FnOnce(&mut Cdr) -> Result<T, String>,
     ) -> Result<(f64, String, T), String> {
@@ -83,7 +83,7 @@ pub(super) struct Records {
 
 impl Records {
     /// Start at the magic.
-    pub fn new(mut input: Metered) -> Result<Records, String> {
+    pub(super) fn new(mut input: Metered) -> Result<Records, String> {
         let mut magic = [0; 8];
         input.read_exact(&mut magic).map_err(|e| unread(&e))?;
         if magic != mcap::MAGIC {
@@ -112,7 +112,7 @@ impl Records {
     }
 
     /// The next message of joints or of a CoP; nothing at the end of the file.
-    pub fn next(&mut self) -> Result<Option<Message>, String> {
+    pub(super) fn next(&mut self) -> Result<Option<Message>, String> {
         while let Some(event) = self.reader.next_event() {
             let (opcode, content) = match event.map_err(fault)? {
                 LinearReadEvent::Record { opcode, data } => (opcode, data),
@@ -173,7 +173,7 @@ impl Records {
     }
 
     /// Topics and types that were announced so far.
-    pub fn channels(&self) -> impl Iterator<Item = &Channel> {
+    pub(super) fn channels(&self) -> impl Iterator<Item = &Channel> {
         self.channels.values().map(|channel| &**channel)
     }
 }

@@ -45,7 +45,7 @@ pub(super) struct Survey {
 
 impl Survey {
     /// Read until every joint and a reading were seen, and some messages on.
-    pub fn of(
+    pub(super) fn of(
         mut records: Records,
         dofs: &[Dof],
         options: &Options,
@@ -228,7 +228,7 @@ struct Wrenches {
 
 impl Wrenches {
     /// Nothing is seen yet, or wanted at all.
-    pub fn new(are_wanted: bool) -> Wrenches {
+    pub(crate) fn new(are_wanted: bool) -> Wrenches {
         Wrenches {
             seen: Vec::new(),
             left: if are_wanted { 4000 } else { 0 },
@@ -236,17 +236,17 @@ impl Wrenches {
     }
 
     /// Whether more messages are wanted.
-    pub fn undecided(&self) -> bool {
+    pub(crate) fn undecided(&self) -> bool {
         self.left > 0
     }
 
     /// A point: which topic is the CoP, the sidecar says.
-    pub fn point(&mut self) {
+    pub(crate) fn point(&mut self) {
         (self.seen, self.left) = (Vec::new(), 0);
     }
 
     /// A wrench on a topic, in a frame.
-    pub fn see(&mut self, topic: &str, frame: &str, force: [f64; 3]) {
+    pub(crate) fn see(&mut self, topic: &str, frame: &str, force: [f64; 3]) {
         let at = self.seen.iter().position(|own| own.contact.topic == *topic);
         let at = at.unwrap_or(self.seen.len());
         if at == self.seen.len() {
@@ -264,7 +264,7 @@ impl Wrenches {
     /// are both loaded in half of their messages or more; none of any other recording, and where
     /// `options` do not say how the two stand to each other. The support is one of them, where it
     /// is said.
-    pub fn pair(mut self, dofs: usize, options: &Options) -> Option<[Contact; 2]> {
+    pub(crate) fn pair(mut self, dofs: usize, options: &Options) -> Option<[Contact; 2]> {
         // That of the support is first, else the one that came first.
         let support = options.support.as_ref();
         let is_support = |own: &Seen| support.is_none_or(|support| own.contact.link == *support);
@@ -294,7 +294,7 @@ pub(super) struct Frames {
 }
 
 impl Frames {
-    pub fn new(options: &Options) -> Frames {
+    pub(super) fn new(options: &Options) -> Frames {
         Frames {
             options: options.clone(),
             known: HashMap::new(),
@@ -304,7 +304,7 @@ impl Frames {
 
     /// The link that is the support of a reading, empty where the frame is none, and how the
     /// reading is moved to it.
-    pub fn of(&mut self, frame: &str) -> (Arc<str>, Option<Frame>) {
+    pub(super) fn of(&mut self, frame: &str) -> (Arc<str>, Option<Frame>) {
         let frame = frame.trim_start_matches('/');
         if !self.known.contains_key(frame) {
             let judged = self.judge(frame);

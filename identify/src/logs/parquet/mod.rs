@@ -357,7 +357,7 @@ pub(super) struct ParquetSink {
 impl ParquetSink {
     /// Start a file with the columns `names`: `pose` whole, `support` text, the
     /// others numbers.
-    pub fn new(file: NewFile, names: &[String]) -> io::Result<ParquetSink> {
+    pub(super) fn new(file: NewFile, names: &[String]) -> io::Result<ParquetSink> {
         let fields = names.iter().map(|name| {
             let (physical, logical) = match name.as_str() {
                 POSE => (Physical::INT64, None),
@@ -385,7 +385,7 @@ impl ParquetSink {
     }
 
     /// Append a row.
-    pub fn row(&mut self, row: &Row, columns: Written) -> io::Result<()> {
+    pub(super) fn row(&mut self, row: &Row, columns: Written) -> io::Result<()> {
         for (field, numbers) in fields(row, columns).zip(&mut self.numbers) {
             match field {
                 Field::Whole(pose) => self.poses.push(pose),
@@ -424,7 +424,7 @@ impl ParquetSink {
     }
 
     /// Write what is left; the file is yet to be moved to its place.
-    pub fn finish(mut self) -> io::Result<NewFile> {
+    pub(super) fn finish(mut self) -> io::Result<NewFile> {
         if !self.poses.is_empty() {
             self.flush()?;
         }

@@ -35,7 +35,7 @@ pub(super) struct Filter {
 
 impl Filter {
     /// Nothing is known of `columns` columns, whose part `share` lasts.
-    pub fn new(columns: usize, share: f64) -> Filter {
+    pub(super) fn new(columns: usize, share: f64) -> Filter {
         Filter {
             state: vec![0.0; columns],
             variance: share,
@@ -44,7 +44,7 @@ impl Filter {
 
     /// Turn a row into its innovation, where the part `share` of its variance has the
     /// correlation `rho` with that of the row before; gives the variance that it had.
-    pub fn whiten(&mut self, rho: f64, share: f64, row: &mut [f64]) -> f64 {
+    pub(super) fn whiten(&mut self, rho: f64, share: f64, row: &mut [f64]) -> f64 {
         let before = rho * rho * self.variance + share * (1.0 - rho * rho);
         let whole = (before + 1.0 - share).max(1e-12);
         let (gain, scale) = (before / whole, 1.0 / whole.sqrt());

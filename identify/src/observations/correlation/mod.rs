@@ -34,7 +34,7 @@ use super::noise::quantile;
 use nalgebra::{DMatrix, DVector};
 
 use restricted::{Ar1Process, AxisRows};
-pub use windows::{Cut, GAP, Independent, Process, Whitener};
+pub(crate) use windows::{Cut, GAP, Independent, Process, Whitener};
 
 /// What a log's residuals say of its noise, on one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -182,7 +182,7 @@ fn without_noise(t: &[f64], columns: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// The ordinary step of times that run forward; `None` of others.
-pub fn step(t: &[f64]) -> Option<f64> {
+pub(crate) fn step(t: &[f64]) -> Option<f64> {
     let mut steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let all = steps.len() as f64;
     steps.retain(|step| *step > 0.0);
@@ -193,7 +193,7 @@ pub fn step(t: &[f64]) -> Option<f64> {
 }
 
 /// Mean square of what a fit of the columns `x` leaves of `y`, and its degrees of freedom.
-pub fn left(x: &DMatrix<f64>, y: &DVector<f64>) -> (f64, f64) {
+pub(crate) fn left(x: &DMatrix<f64>, y: &DVector<f64>) -> (f64, f64) {
     let q = x * restricted::basis(x);
     let (n, p) = q.shape();
     if n <= p {

@@ -78,7 +78,7 @@ pub(super) struct AxisRows {
 impl AxisRows {
     /// The same, and behind them rows that say that the coefficients of the last `held` columns
     /// are zero, within one where a row is known within `deviation`.
-    pub fn with_coefficients(&self, held: usize, deviation: f64) -> AxisRows {
+    pub(super) fn with_coefficients(&self, held: usize, deviation: f64) -> AxisRows {
         let (n, p) = self.x.shape();
         let last = self.t.last().copied().unwrap_or_default();
         let mut x = self.x.clone().insert_rows(n, held, 0.0);
@@ -92,7 +92,7 @@ impl AxisRows {
     }
 
     /// T with X T an orthonormal basis, and rows (x T, y); none where rows are too few.
-    pub fn in_basis(&self) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    pub(super) fn in_basis(&self) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
         let turn = basis(&self.x);
         let q = &self.x * &turn;
         let (n, p) = q.shape();
@@ -102,14 +102,14 @@ impl AxisRows {
     }
 
     /// The ordinary distance of neighbouring rows of a stretch, s.
-    pub fn step(&self) -> Option<f64> {
+    pub(super) fn step(&self) -> Option<f64> {
         let joined = (1..self.t.len()).filter(|&k| self.joined[k]);
         quantile(joined.map(|k| self.t[k] - self.t[k - 1]), 0.5)
     }
 
     /// Correlation times that can be told: the shortest, in steps, and the longest, as a part of
     /// the length; s.
-    pub fn times(&self, shortest: f64, longest: f64) -> Option<(f64, f64)> {
+    pub(super) fn times(&self, shortest: f64, longest: f64) -> Option<(f64, f64)> {
         let low = shortest * self.step()?;
         let high = longest * (self.t.last()? - self.t[0]);
         (high > low).then_some((low, high))
@@ -226,7 +226,7 @@ impl Sums {
 impl Likelihood {
     /// The likelihood of so many rows (x, y), whose products M they have once their correlation
     /// is taken from them; `log_det` is that of their covariance, in units of a row's variance.
-    pub fn of(products: &DMatrix<f64>, rows: usize, log_det: f64) -> Option<Likelihood> {
+    pub(super) fn of(products: &DMatrix<f64>, rows: usize, log_det: f64) -> Option<Likelihood> {
         let p = products.ncols() - 1;
         let of_x = products.view((0, 0), (p, p)).into_owned();
         let of_xy = products.column(p).rows(0, p).into_owned();

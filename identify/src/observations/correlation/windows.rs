@@ -28,7 +28,7 @@ use super::mixture::Filter;
 use super::restricted::lasting;
 
 /// Rows further apart than this many ordinary steps are not neighbours.
-pub const GAP: f64 = 4.0;
+pub(crate) const GAP: f64 = 4.0;
 
 /// Windows of less than this part of the longest's rows are cut short.
 const WHOLE: f64 = 0.75;
@@ -161,7 +161,7 @@ struct Open {
 
 /// Turns the rows of one axis into independent ones, as they come.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Whitener {
+pub(crate) struct Whitener {
     process: Process,
     open: Option<Open>,
     /// Middle of the window before, s, and what is known of the noise that lasts.
@@ -170,7 +170,7 @@ pub struct Whitener {
 
 /// An independent row.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Independent {
+pub(crate) struct Independent {
     /// Position in time of its first row.
     pub key: i64,
     /// (x, y), of the variance of a single row.
@@ -181,7 +181,7 @@ pub struct Independent {
 
 impl Whitener {
     /// Prepare to whiten noise that follows `process`.
-    pub fn new(process: Process) -> Whitener {
+    pub(crate) fn new(process: Process) -> Whitener {
         Whitener {
             process,
             open: None,
@@ -190,7 +190,13 @@ impl Whitener {
     }
 
     /// A row (x, y) over its deviation, which belongs to `key`; gives the window that ended.
-    pub fn push(&mut self, t: f64, key: i64, row: &[f64], trust: f64) -> Option<Independent> {
+    pub(crate) fn push(
+        &mut self,
+        t: f64,
+        key: i64,
+        row: &[f64],
+        trust: f64,
+    ) -> Option<Independent> {
         let cut = self.process.cut;
         let ends = |open: &Open| open.key != key || cut.ends(open.count, open.last, t);
         let ends = self.open.as_ref().is_some_and(ends);
@@ -215,7 +221,7 @@ impl Whitener {
     }
 
     /// The log ends.
-    pub fn end(&mut self) -> Option<Independent> {
+    pub(crate) fn end(&mut self) -> Option<Independent> {
         let open = self.open.take()?;
         let (count, trust) = (open.count as f64, open.trust.max(f64::MIN_POSITIVE));
         let size = 1.0 / (trust * self.process.variance(count).sqrt());

@@ -35,7 +35,7 @@ pub(super) struct Polynomials {
 }
 
 impl Polynomials {
-    pub fn fit(
+    pub(super) fn fit(
         nodes: &Nodes,
         node: usize,
         around: Range<usize>,
@@ -90,31 +90,31 @@ impl Polynomials {
     }
 
     /// Position `after` seconds from the node, less the node's own.
-    pub fn position(&self, joint: usize, after: f64) -> f64 {
+    pub(super) fn position(&self, joint: usize, after: f64) -> f64 {
         let (s, [c0, c1, c2, c3, c4]) = (after / self.half, self.of(joint));
         c0 + s * (c1 + s * (c2 + s * (c3 + s * c4)))
     }
 
     /// Velocity `after` seconds from the node.
-    pub fn rate(&self, joint: usize, after: f64) -> f64 {
+    pub(super) fn rate(&self, joint: usize, after: f64) -> f64 {
         let (s, [_, c1, c2, c3, c4]) = (after / self.half, self.of(joint));
         (c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * 4.0 * c4))) / self.half
     }
 
     /// Acceleration `after` seconds from the node.
-    pub fn gain(&self, joint: usize, after: f64) -> f64 {
+    pub(super) fn gain(&self, joint: usize, after: f64) -> f64 {
         let (s, [_, _, c2, c3, c4]) = (after / self.half, self.of(joint));
         (2.0 * c2 + s * (6.0 * c3 + s * 12.0 * c4)) / (self.half * self.half)
     }
 
     /// Variance of a node.
-    pub fn variance(&self, joint: usize) -> f64 {
+    pub(super) fn variance(&self, joint: usize) -> f64 {
         self.left[joint].max(0.0) / self.spare
     }
 
     /// Deviation of the acceleration of a joint whose nodes have this `variance` in all of the
     /// log: few nodes alone say little of it.
-    pub fn gain_std(&self, joint: usize, variance: f64) -> f64 {
+    pub(super) fn gain_std(&self, joint: usize, variance: f64) -> f64 {
         let left = self.left[joint].max(0.0) + SHARED * variance;
         (left / (self.spare + SHARED)).sqrt() * self.weight
     }

@@ -39,7 +39,7 @@ pub(super) struct Nodes {
 
 impl Nodes {
     /// Place nodes over rows `step_s` apart, for windows of half `half` (s).
-    pub fn of(t: &[f64], q: &[f64], dof: usize, step_s: f64, half: f64) -> Nodes {
+    pub(super) fn of(t: &[f64], q: &[f64], dof: usize, step_s: f64, half: f64) -> Nodes {
         let rows = ((NODE * half / step_s) as usize).max(1);
         let mut nodes = Nodes {
             dof,
@@ -83,7 +83,10 @@ impl Nodes {
     }
 
     /// The nodes of some rows in line, each with those that are its own.
-    pub fn with_rows(&self, rows: Range<usize>) -> impl Iterator<Item = (usize, Range<usize>)> {
+    pub(super) fn with_rows(
+        &self,
+        rows: Range<usize>,
+    ) -> impl Iterator<Item = (usize, Range<usize>)> {
         let mut end = rows.start;
         let nodes = self.of_row[rows].chunk_by(|a, b| a == b);
         nodes.map(move |own| {
@@ -93,22 +96,22 @@ impl Nodes {
     }
 
     /// Positions of a node, in blocks.
-    pub fn blocks(&self, nodes: Range<usize>) -> &[F64x8] {
+    pub(super) fn blocks(&self, nodes: Range<usize>) -> &[F64x8] {
         &self.q[nodes.start * self.width..nodes.end * self.width]
     }
 
     /// Position of a joint in a node.
-    pub fn position(&self, node: usize, joint: usize) -> f64 {
+    pub(super) fn position(&self, node: usize, joint: usize) -> f64 {
         self.q[node * self.width + joint / 8].0[joint % 8]
     }
 
     /// Whether nothing moves in all of some nodes.
-    pub fn are_still(&self, around: &Range<usize>) -> bool {
+    pub(super) fn are_still(&self, around: &Range<usize>) -> bool {
         self.moved[around.start][0] == self.moved[around.end - 1][1]
     }
 
     /// Nodes around one without a pause.
-    pub fn around(&self, node: usize) -> Range<usize> {
+    pub(super) fn around(&self, node: usize) -> Range<usize> {
         let here = self.t[node];
         let joins = |a: usize, b: usize| {
             let step = self.t[b] - self.t[a];
@@ -129,7 +132,7 @@ impl Nodes {
 
     /// Whether nodes reach far enough to one side, and to the other as far as in a whole window
     /// of half `least`.
-    pub fn reaches(&self, node: usize, around: &Range<usize>, least: f64) -> bool {
+    pub(super) fn reaches(&self, node: usize, around: &Range<usize>, least: f64) -> bool {
         let here = self.t[node];
         let sides = [here - self.t[around.start], self.t[around.end - 1] - here];
         sides[0].min(sides[1]) >= SPANNED * least
@@ -138,7 +141,7 @@ impl Nodes {
     }
 
     /// Every `stride`-th node whose window is whole and in which joints move, with the window.
-    pub fn moving(&self, stride: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
+    pub(super) fn moving(&self, stride: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
         let all = (0..self.t.len()).step_by(stride);
         let all = all.map(|node| (node, self.around(node)));
         all.filter(|(node, around)| {

@@ -9,7 +9,7 @@ use nalgebra::DVector;
 use sesc_model::Model;
 
 /// Postures that a diagnosis looks at, up to twice this; evenly chosen of more.
-pub const MOST: usize = 2000;
+pub(crate) const MOST: usize = 2000;
 
 /// One posture while its rows are gathered.
 #[derive(Clone, Default)]

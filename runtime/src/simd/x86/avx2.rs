@@ -9,14 +9,14 @@ use crate::scalar::sealed::{Machine, ROWS, Task};
 use crate::{pack, power};
 
 /// The set.
-pub struct Avx2;
+pub(crate) struct Avx2;
 
 /// Run a task.
 ///
 /// # Safety
 /// The processor and the system must have AVX2 and FMA.
 #[target_feature(enable = "avx2,fma")]
-pub unsafe fn run<S: Scalar, M: Machine<S>>(task: impl Task<S>) {
+pub(crate) unsafe fn run<S: Scalar, M: Machine<S>>(task: impl Task<S>) {
     align_stack();
     task.run::<M>();
 }

@@ -23,10 +23,10 @@ use crate::trig::{double, single};
 use crate::{pack, power};
 
 /// The set.
-pub struct Avx512;
+pub(crate) struct Avx512;
 
 /// The set, with the rows of one posture in registers of 256 bits (f32: 128).
-pub struct Avx512Short;
+pub(crate) struct Avx512Short;
 
 /// Run a task on either.
 ///
@@ -34,7 +34,7 @@ pub struct Avx512Short;
 /// The processor and the system must have AVX-512 F, DQ and VL, and what the compiler takes as
 /// part of them: AVX2, FMA and F16C.
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
-pub unsafe fn run<S: Scalar, M: Machine<S>>(task: impl Task<S>) {
+pub(crate) unsafe fn run<S: Scalar, M: Machine<S>>(task: impl Task<S>) {
     align_stack();
     task.run::<M>();
 }

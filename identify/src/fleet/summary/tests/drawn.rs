@@ -12,8 +12,8 @@ use crate::diagnose::{Quantity, Verdict};
 use crate::fleet::row::{EffectFound, Effects, Row};
 
 /// Deviation of a drawn offset, rad, and of a drawn parameter, m.
-pub const STD: f64 = 0.001;
-pub const PARAMS: usize = 43;
+pub(super) const STD: f64 = 0.001;
+pub(super) const PARAMS: usize = 43;
 
 /// Parameters that have nothing to do with each other.
 fn independent() -> Vec<f64> {
@@ -35,14 +35,14 @@ fn scored(joint: &str, value: f64) -> EffectFound {
     }
 }
 
-pub struct Drawn {
+pub(super) struct Drawn {
     pub random: ChaCha8Rng,
     pub rows: Vec<Row>,
 }
 
 impl Drawn {
     /// A row for each robot and day, parameters with noise alone.
-    pub fn fleet(robots: usize, days: usize, seed: u64) -> Drawn {
+    pub(super) fn fleet(robots: usize, days: usize, seed: u64) -> Drawn {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut of_scores = ChaCha8Rng::seed_from_u64(!seed);
         let mut rows = Vec::new();
@@ -78,12 +78,12 @@ impl Drawn {
         Drawn { random, rows }
     }
 
-    pub fn normal(&mut self) -> f64 {
+    pub(super) fn normal(&mut self) -> f64 {
         StandardNormal.sample(&mut self.random)
     }
 
     /// Rows of a robot on some days.
-    pub fn rows(
+    pub(super) fn rows(
         &mut self,
         robot: usize,
         days: impl RangeBounds<usize>,
@@ -95,7 +95,13 @@ impl Drawn {
     }
 
     /// An offset of a robot's joint on some days.
-    pub fn offset(&mut self, robot: usize, joint: &str, size: f64, days: impl RangeBounds<usize>) {
+    pub(super) fn offset(
+        &mut self,
+        robot: usize,
+        joint: &str,
+        size: f64,
+        days: impl RangeBounds<usize>,
+    ) {
         for k in 0..self.rows.len() {
             let value = size + STD * self.normal();
             let row = &mut self.rows[k];
@@ -115,7 +121,7 @@ impl Drawn {
         }
     }
 
-    pub fn summary(&self) -> Summary {
+    pub(super) fn summary(&self) -> Summary {
         summary(&self.rows, None)
     }
 }
