@@ -63,7 +63,9 @@ pub(super) fn find<'m>(
     }
     let mut best = ranked[0].clone();
     ranked.retain(|fit| fit.score() <= best.score() + criteria::CLASS_SCORE);
-    let in_all = |term: &&Term| ranked.iter().all(|fit| fit.terms.contains(term));
+    let near = ranked.iter();
+    let near = near.filter(|fit| fit.score() <= best.score() + criteria::OVER_NOTHING);
+    let in_all = |term: &&Term| near.clone().all(|fit| fit.terms.contains(term));
     let common: Vec<Term> = best.terms.iter().filter(in_all).cloned().collect();
     let mut class = class(&best, ranked);
     let whole = Arc::clone(&search.problem);
@@ -78,7 +80,7 @@ pub(super) fn find<'m>(
     let untold = problem.first().why_untold(about.sole);
     let untold = untold.filter(|_| about.usable && best.terms.is_empty() && !soles);
     let unexplained = untold.is_none() && (no_known || crowd || implausible.is_some());
-    let mut doubtful = Vec::new();
+    let mut doubtful: Vec<Term> = Vec::new();
     if unexplained {
         // A robot is corrected by what every explanation near the best has; the rest is a guess.
         let certain: Vec<Term>;
@@ -93,14 +95,25 @@ pub(super) fn find<'m>(
         class = vec![best.clone()];
     }
     let baseline = held_out::of_cad(problem);
-    let steps = held_out::order(&best, &mut |terms| search.fit(terms, None));
-    let (told, steps): (Vec<usize>, Vec<Fit>) = steps.into_iter().unzip();
-    let held_out = |step: &Fit| {
-        let apart = held_out::apart_on_the_way(problem, step, steps.last().unwrap_or(&null));
-        let (own, step) = settle(problem, step);
-        held_out::cross_validate(&own, &step, &apart)
+    let (told, held) = loop {
+        let steps = held_out::order(&best, &mut |terms| search.fit(terms, None));
+        let (told, steps): (Vec<usize>, Vec<Fit>) = steps.into_iter().unzip();
+        let held_out = |step: &Fit| {
+            let apart = held_out::apart_on_the_way(problem, step, steps.last().unwrap_or(&null));
+            let (own, step) = settle(problem, step);
+            held_out::cross_validate(&own, &step, &apart)
+        };
+        let held: Vec<HeldOut> = [&null].into_iter().chain(&steps).map(held_out).collect();
+        // A part of an unexplained gap that is of no help on postures it has not seen is a guess.
+        let mut pairs = held.windows(2).zip(&told);
+        let helpless = pairs.find(|(pair, _)| pair[1].gap.rmse >= pair[0].gap.rmse);
+        let Some((_, place)) = helpless.filter(|_| unexplained) else {
+            break (told, held);
+        };
+        doubtful.push(best.terms[*place].clone());
+        best = search.fit(&best.terms_without(*place), Some(&best));
+        class = vec![best.clone()];
     };
-    let held: Vec<HeldOut> = [&null].into_iter().chain(&steps).map(held_out).collect();
     let mut evidence = |place: usize| {
         let without = search.fit(&best.terms_without(place), Some(&best));
         settle(problem, &without).1.objective + without.penalty - best.score()
@@ -231,6 +244,7 @@ pub(super) fn find<'m>(
     };
     let mut found = Explained {
         diagnosis,
+        written: best.clone(),
         best,
         told,
         class,
@@ -238,7 +252,7 @@ pub(super) fn find<'m>(
         untold,
         scores,
     };
-    state_com_apart(problem, &mut found);
+    state_com_apart(problem, &null, &mut found);
     Ok(found)
 }
 

@@ -516,6 +516,9 @@ pub(super) struct Explained {
     pub diagnosis: Diagnosis,
     /// The explanation, fitted.
     pub best: Fit,
+    /// What the model file holds: the explanation, or the one of its class that moves the CoM
+    /// least.
+    pub written: Fit,
     /// The place of each step among its terms.
     pub told: Vec<usize>,
     /// All that the data allow, the best first.

@@ -321,16 +321,28 @@ fn stated(problem: &Problem, predicted: &[InFile], fit: Fit) -> Fit {
 }
 
 /// State for every member of the class how far its CoM is from the first one's, m RMS over
-/// the postures of the log; unknown where an effect is no part of model files.
-pub(super) fn state_com_apart(problem: &Problem, found: &mut Explained) {
-    let first = coms(problem, &found.best);
+/// the postures of the log; unknown where an effect is no part of model files. Where they are far
+/// apart, the model holds the one that moves CAD's CoM least: data do not ask for more.
+pub(super) fn state_com_apart(problem: &Problem, nothing: &Fit, found: &mut Explained) {
     let others = found.class.iter().filter(|fit| !fit.terms.is_empty());
-    let apart = others.map(|fit| {
-        let other = coms(problem, fit);
-        first.as_ref().zip(other).map(|(a, b)| distance(a, &b))
-    });
-    let apart: Vec<Option<f64>> = apart.collect();
-    for (member, apart) in found.diagnosis.class.iter_mut().zip(apart) {
+    let coms_of_all: Vec<_> = others.map(|fit| coms(problem, fit)).collect();
+    let apart = |from: &Option<Vec<f64>>| -> Vec<Option<f64>> {
+        let of = |own: &Option<Vec<f64>>| Some(distance(from.as_ref()?, own.as_ref()?));
+        coms_of_all.iter().map(of).collect()
+    };
+    let from_first = apart(&coms(problem, &found.best));
+    if from_first
+        .iter()
+        .flatten()
+        .any(|apart| *apart > COM_APART_M)
+    {
+        let moved = apart(&coms(problem, nothing)).into_iter().enumerate();
+        let moved = moved.filter_map(|(k, moved)| Some((k, moved?)));
+        if let Some((least, _)) = moved.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            found.written = found.class[least].clone();
+        }
+    }
+    for (member, apart) in found.diagnosis.class.iter_mut().zip(from_first) {
         member.com_apart = apart;
     }
 }
@@ -342,9 +354,14 @@ pub(super) fn com_sentence(found: &Explained) -> Option<String> {
     let far = members.filter_map(|member| Some((member.com_apart?, member)));
     let (apart, member) = far.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (apart > COM_APART_M).then(|| {
+        let written = found.class.iter().zip(&found.diagnosis.class);
+        let mut written = written.filter(|(fit, _)| fit.terms == found.written.terms);
+        let held = written.next().map_or_else(String::new, |(_, own)| {
+            format!("; the model holds {}, which moves it least", own.subjects)
+        });
         format!(
             "These explanations do not agree on the CoM: with {} it lies {:.1} mm RMS away; \
-             take the next postures before a controller relies on it.",
+             take the next postures before a controller relies on it{held}.",
             member.subjects,
             1e3 * apart
         )

@@ -264,9 +264,9 @@ pub(super) fn corrected_urdf(
     prior: &Prior,
     total_mass: Option<f64>,
 ) -> Result<CorrectedUrdf, Error> {
-    let file = model_file(problem, &found.best);
+    let file = model_file(problem, &found.written);
     let wide = Prior::Cad(Tolerances::usual());
-    let prior = match found.best.frees_masses() {
+    let prior = match found.written.frees_masses() {
         true => &wide,
         false => prior,
     };

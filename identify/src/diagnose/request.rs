@@ -289,14 +289,14 @@ pub fn diagnose(request: &Request, watch: &mut dyn Watch) -> Result<Report, Erro
     if found.diagnosis.verdict != Verdict::Unusable {
         check_result(&model_file)?;
     }
-    found.diagnosis.model_on_log = on_log(&problem, &found.best, &model_file)?;
+    found.diagnosis.model_on_log = on_log(&problem, &found.written, &model_file)?;
     verdict::state(&problem, &mut found);
     let warnings = watch.warnings.iter().map(|warning| warning.to_string());
     found.diagnosis.warnings = warnings.collect();
     Ok(Report {
         model_file,
         corrected_urdf: corrected,
-        frees_masses: found.best.frees_masses(),
+        frees_masses: found.written.frees_masses(),
         of_the_log: remedy::of_the_log(&found),
         view: request.view.then(|| {
             let skeleton = Skeleton::of(&model, &robot.description, meshes);
@@ -635,7 +635,7 @@ fn stand(request: &Request, first: &str, log: &LogSource) -> Result<(Experiment,
 
 /// The model file, with all logs that it was found in.
 fn with_data(request: &Request, problem: &Problem, found: &Explained) -> ModelFile {
-    let mut file = model_file(problem, &found.best);
+    let mut file = model_file(problem, &found.written);
     if request.motion == MotionModel::Off {
         file.motion = Some(MotionCounted::Static);
     }

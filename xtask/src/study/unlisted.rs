@@ -30,10 +30,11 @@ fn counted(found: &Found, kind: Option<Kind>) -> Answer {
                 "CoM",
                 Cell::Median(if hidden { found.com } else { f64::NAN }),
             ),
+            ("CoM worse", Cell::of(true, found.worse)),
             ("silent", Cell::of(!hidden, found.silent)),
             ("seconds", Cell::Median(found.seconds)),
         ],
-        note: (!right).then(|| found.said.clone()),
+        note: (!right || found.worse).then(|| found.said.clone()),
     }
 }
 

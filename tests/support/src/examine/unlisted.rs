@@ -11,9 +11,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::{self, Diagnosis, Verdict};
 use sesc_identify::logs::{LogSource, Table};
-use sesc_identify::predict;
+use sesc_identify::predict::{self, Predictions};
 use sesc_identify::robot::Stance;
-use sesc_model::ModelFile;
+use sesc_model::{ModelFile, Quantity};
 use sesc_reference::World;
 
 use super::Failure;
@@ -248,6 +248,9 @@ pub struct Found {
     pub cop: f64,
     /// That of the CoM; NaN where none of it is hidden.
     pub com: f64,
+    /// Whether the CoM is further off than 1.05 times CAD's and three deviations that the effects
+    /// of the model state.
+    pub worse: bool,
     /// The goal for them: 6 %, or what noise allows.
     pub goal: f64,
     /// Of the diagnosis.
@@ -491,6 +494,9 @@ impl Trial {
     }
 }
 
+/// How far masses within CAD's tolerances move the CoM of a sound robot, in noises of a reading.
+const OF_MASSES: f64 = 0.3;
+
 /// Diagnose the log of a [`Trial`].
 ///
 /// # Errors
@@ -519,21 +525,46 @@ pub fn examine(
     let report = diagnose::diagnose(&request, &mut ())?;
     let seconds = begun.elapsed().as_secs_f64();
     let file = ModelFile::parse(&toml::to_string(&report.model_file)?, "model.toml")?;
-    let gaps = |file: Option<ModelFile>| -> Result<[f64; 2], Failure> {
+    let predicted = |file: Option<ModelFile>| -> Result<Predictions, Failure> {
         let mut stance = Stance::new(Arc::clone(&robot)).on(stage.support);
         if let Some(file) = file {
             stance = stance.with_parameters(file)?;
         }
         let fresh = trial.fresh.iter().map(|(q, cop, _)| (q, cop));
         let request = predict::Request::new(stance, trial.table(fresh, fresh_apart_s));
-        let found = predict::predict(&request, &mut ())?;
+        Ok(predict::predict(&request, &mut ())?)
+    };
+    let gaps = |found: &Predictions| {
         let cop = found.cop_m.iter().zip(&trial.fresh);
         let cop = rms(cop.flat_map(|(p, (_, y, _))| [p[0] - y[0], p[1] - y[1]]));
         let com = found.com_m.iter().zip(&trial.fresh);
         let com = rms(com.flat_map(|(p, (_, _, c))| [p[0] - c[0], p[1] - c[1]]));
-        Ok([cop, com])
+        [cop, com]
     };
-    let (before, after) = (gaps(None)?, gaps(Some(file))?);
+    let cad = predicted(None)?;
+    let corrected = predicted(Some(file.clone()))?;
+    let (before, after) = (gaps(&cad), gaps(&corrected));
+    // How far the CoM moves as each parameter of an effect does by its deviation.
+    let mut squares = 0.0;
+    for (k, effect) in file.effects.iter().enumerate() {
+        for (name, own) in &effect.parameters {
+            let mut moved = file.clone();
+            let value = own.value + own.std.unwrap_or(0.0);
+            moved.effects[k].parameters.insert(
+                name.clone(),
+                Quantity {
+                    value,
+                    std: own.std,
+                },
+            );
+            // What gives way no longer comes to rest there.
+            let Ok(moved) = predicted(Some(moved)) else {
+                continue;
+            };
+            let com = moved.com_m.iter().zip(&corrected.com_m);
+            squares += rms(com.flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]])).powi(2);
+        }
+    }
     // What the masses leave once they are known is none of the effect's.
     let of_kind = |kind: Kind| (0.06_f64).max(2.0 * (kind.unknowns() / trial.chi2).sqrt());
     let diagnosis = &report.diagnosis;
@@ -564,6 +595,7 @@ pub fn examine(
             Some(kind) if !kind.is_of_joint() => f64::NAN,
             _ => after[1] / before[1],
         },
+        worse: after[1] > 1.05 * before[1] + 3.0 * squares.sqrt() + OF_MASSES * trial.noise_m,
         goal: kind.map_or(f64::NAN, of_kind),
         seconds,
         silent: diagnosis.steps.is_empty() || diagnosis.verdict == Verdict::Unexplained,
