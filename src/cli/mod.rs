@@ -392,11 +392,14 @@ fn print_json(value: &impl serde::Serialize) -> Result<(), Error> {
 
 /// JSON whose strings hold nothing that a terminal obeys; its own lines are as they were.
 fn ascii_controls(json: &str) -> String {
-    let spelled_out = |c: char| match is_hidden(c) && c != '\n' {
-        true => format!("\\u{:04x}", u32::from(c)),
-        false => c.to_string(),
-    };
-    json.chars().map(spelled_out).collect()
+    let mut out = String::with_capacity(json.len());
+    for c in json.chars() {
+        match is_hidden(c) && c != '\n' {
+            true => out.push_str(&format!("\\u{:04x}", u32::from(c))),
+            false => out.push(c),
+        }
+    }
+    out
 }
 
 /// A number above zero.

@@ -81,8 +81,22 @@ impl<'a> About<'a> {
                 let more = if *unsnapped { &["--no-snap"][..] } else { &[] };
                 Some(of_model("verify", Some(support), model, more))
             }
-            // Those that are done on the robot.
-            _ => None,
+            // Those that are done on the robot, each by name: a new step asks for its command.
+            NextStep::Repair
+            | NextStep::Record { .. }
+            | NextStep::Repeat { .. }
+            | NextStep::Change
+            | NextStep::LookAtRobot
+            | NextStep::WidenRange { .. }
+            | NextStep::CheckSoles
+            | NextStep::CheckLoad { .. }
+            | NextStep::CheckJoint { .. }
+            | NextStep::CheckRecording
+            | NextStep::CheckContact
+            | NextStep::CheckLengths
+            | NextStep::RecordAgain
+            | NextStep::GoOn { .. }
+            | NextStep::CheckChanged { .. } => None,
         }
     }
 }

@@ -32,7 +32,7 @@ use crate::observations::correlation::Correlation;
 use crate::observations::postures::Postures;
 
 use crate::svd::svd;
-pub(super) use block::{Block, InFile, Untold};
+pub(super) use block::{Block, InFile, OwnSides, Untold};
 pub(super) use block::{run_alone, side, soles_of, tilts};
 pub(super) use fitting::Weighting;
 
@@ -104,8 +104,8 @@ pub(super) struct OnBlock {
     pub residual: Arc<DVector<f64>>,
     /// Whitened derivative of the same rows by the unknowns of all blocks.
     pub slopes: Arc<DMatrix<f64>>,
-    /// The side of every joint, posture by posture, where dead bands matter.
-    pub sides: Option<Arc<Vec<f64>>>,
+    /// On which side joints rest, where dead bands matter.
+    pub sides: Option<OwnSides>,
     /// Postures with a joint on the side of its dead band that gravity does not favour.
     pub flipped: Vec<usize>,
 }
@@ -542,7 +542,7 @@ impl<'m> Problem<'m> {
     /// What is known of the postures of each block, under a fit to them where one is given.
     pub(super) fn posture_contexts(&self, fit: Option<&Fit>) -> Vec<Cow<'_, [f64]>> {
         let blocks = self.blocks.iter().enumerate();
-        let sides = |at: usize| fit.and_then(|fit| fit.blocks[at].sides.as_deref());
+        let sides = |at: usize| fit.and_then(|fit| fit.blocks[at].sides.as_ref());
         let contexts = blocks.map(|(at, block)| match sides(at) {
             Some(sides) => block.context_of(sides).into(),
             None => block.data.posture_context[..].into(),

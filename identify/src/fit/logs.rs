@@ -304,7 +304,7 @@ impl<'r> Logs<'r> {
                 let fold = || fold_in(&work, &mut folds.lock().expect("no fold has panicked"));
                 let ((), read) = both(fold, || {
                     let (block, motion) = reader.known_rows(BLOCK)?;
-                    let rows = measurement.moving_rows(&block, motion.as_ref())?;
+                    let rows = measurement.moving_rows(&block, motion.as_ref());
                     Ok::<_, Error>((block, rows))
                 });
                 let (block, rows) = read?;
@@ -316,7 +316,7 @@ impl<'r> Logs<'r> {
                 if block.is_empty() {
                     break;
                 }
-                work = gathered.take(&block, rows, name, robust)?;
+                work = gathered.take(&block, rows?, name, robust)?;
                 let (done, total) = reader.log.progress();
                 tell(watch, what, done, total)?;
             }

@@ -209,7 +209,8 @@ impl Assembler {
         let (mut signs, mut said) = (Vec::new(), Vec::new());
         for ((name, sensor), first) in self.sensors().zip(&self.columns.sensors) {
             let placed = self.place([support, name], sensor);
-            let up = placed.map_or([0.0, 0.0, 1.0], |(_, frame)| frame.axes.map(|axis| axis[2]));
+            let frame = placed.ok().and_then(|(_, frame)| frame);
+            let up = frame.map_or([0.0, 0.0, 1.0], |frame| frame.axes.map(|axis| axis[2]));
             let upward = |row: usize| (0..3).map(|k| raw.numbers[first + k][row] * up[k]).sum();
             let force = (0..raw.line.len()).map(upward);
             let mut force: Vec<f64> = force.filter(|force: &f64| force.is_finite()).collect();
@@ -470,7 +471,8 @@ impl Assembler {
                     return Err(self.nowhere([support, name], sensor, known).into());
                 }
             };
-            let moved = frame.moved([of(0), of(3)]);
+            let read = [of(0), of(3)];
+            let moved = frame.map_or(read, |frame| frame.moved(read));
             let all = sum.as_flattened_mut().iter_mut();
             all.zip(moved.as_flattened()).for_each(|(sum, x)| *sum += x);
         }
@@ -511,7 +513,8 @@ impl Assembler {
         own.or(self.support.as_ref()).map(|link| &**link)
     }
 
-    /// Where a sensor is in the support frame, or in that of the other sole, with its name.
+    /// Where a sensor is in the support frame, or in that of the other sole, with its name; none
+    /// where its frame is that one.
     ///
     /// # Errors
     /// Why one that is fixed to neither is not placed.
@@ -519,15 +522,15 @@ impl Assembler {
         &self,
         [support, name]: [&str; 2],
         sensor: &Sensor,
-    ) -> Result<(Option<String>, Frame), String> {
+    ) -> Result<(Option<String>, Option<Frame>), String> {
         if let Some(pose) = sensor.pose {
-            return Ok((None, Frame::posed(pose)));
+            return Ok((None, Some(Frame::posed(pose))));
         }
         let link = sensor.frame.as_deref().unwrap_or_default();
         let soles = self.options.soles.as_ref();
         let on = |sole: &str| match sole == link {
-            true => Some(Frame::posed([0.0; 6])),
-            false => soles?.fixed(sole, link),
+            true => Some(None),
+            false => soles?.fixed(sole, link).map(Some),
         };
         if let Some(frame) = on(support) {
             return Ok((None, frame));

@@ -58,13 +58,10 @@ struct Row {
 
 impl Row {
     /// Its fields, where it is text; delimiters are ASCII, so that fields are cut between characters.
-    fn fields(&self) -> Option<Vec<&str>> {
+    fn fields<'a>(&'a self) -> Option<impl Fn(usize) -> &'a str> {
         let text = str::from_utf8(&self.text).ok()?;
-        let starts = [0].iter().chain(&self.ends);
-        let fields = starts
-            .zip(&self.ends)
-            .map(|(start, end)| &text[*start..*end]);
-        Some(fields.collect())
+        let start = |k: usize| k.checked_sub(1).map_or(0, |last| self.ends[last]);
+        Some(move |k| &text[start(k)..self.ends[k]])
     }
 }
 
@@ -99,16 +96,16 @@ impl CsvSource {
             meter,
         };
         let names = source.next()?.unwrap_or_default();
-        let names = names
-            .fields()
-            .map(|names| names.into_iter().map(name).collect());
-        source.header = names.ok_or_else(|| Error::row(Some(above.line), NO_TEXT))?;
+        let field = names.fields();
+        let field = field.ok_or_else(|| Error::row(Some(above.line), NO_TEXT))?;
+        source.header = (0..names.ends.len()).map(|k| name(field(k))).collect();
         if source.header.iter().all(String::is_empty) {
             let message = "no header row; a log starts with the names of its columns";
             return Err(Error::row(Some(above.line), message));
         }
         source.first = source.next()?;
-        let fields = source.first.as_ref().and_then(Row::fields);
+        let first = source.first.as_ref();
+        let fields = first.and_then(|row| Some((0..row.ends.len()).map(row.fields()?).collect()));
         // A row of units below the names becomes a part of these.
         if let Some(names) = fields.and_then(|fields| with_units(&source.header, fields)) {
             (source.header, source.first) = (names, None);
@@ -215,8 +212,8 @@ impl CsvSource {
         }
         raw.line.extend(rows.iter().map(|row| row.line));
         if let Some(k) = columns.support {
-            for fields in rows.iter().filter_map(Row::fields) {
-                let link = repeated(raw.support.last(), fields[k].trim());
+            for field in rows.iter().filter_map(Row::fields) {
+                let link = repeated(raw.support.last(), field(k).trim());
                 raw.support.push(link);
             }
         }
@@ -386,12 +383,12 @@ fn parse_rows(columns: &Columns, rows: &[Row]) -> Result<(Vec<i64>, Vec<Vec<f64>
     let mut numbers = vec![Vec::with_capacity(rows.len()); columns.numbers.len()];
     for row in rows {
         let mut parse = || -> Result<(), String> {
-            let fields = row.fields().ok_or(NO_TEXT)?;
+            let field = row.fields().ok_or(NO_TEXT)?;
             if let Some(k) = columns.pose {
-                poses.push(pose(fields[k].trim())?);
+                poses.push(pose(field(k).trim())?);
             }
             for (own, to) in columns.numbers.iter().zip(&mut numbers) {
-                to.push(number(fields[own.column], &own.name)?);
+                to.push(number(field(own.column), &own.name)?);
             }
             Ok(())
         };

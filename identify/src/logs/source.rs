@@ -64,7 +64,8 @@ pub(super) trait RowSource: Send {
     /// Append up to `count` rows to `raw`; fewer only at the end of the file.
     fn fill(&mut self, columns: &Columns, count: usize, raw: &mut Raw) -> Result<(), Error>;
 
-    /// Pass over about `rows` rows without a look at them.
+    /// Pass over about `rows` rows; where a format cannot leap over them, they are read, and what is
+    /// wrong with one is an error.
     fn skip(&mut self, columns: &Columns, mut rows: u64) -> Result<(), Error> {
         while rows > 0 {
             let mut raw = Raw::new(columns);

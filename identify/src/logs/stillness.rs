@@ -246,15 +246,16 @@ impl Settling {
         }
     }
 
-    /// The next rows of which it is known whether they are of a stay, `count` at most; an empty block
-    /// at the end of the log.
+    /// The next `count` rows, once it is known of each whether it is of a stay; fewer are the last
+    /// ones, none the end of the log. Who reads looks ahead by one block: a short one in mid-log
+    /// would hide what follows it.
     ///
     /// # Errors
     /// What is said of a log without stays, where they alone were asked for.
     pub(super) fn take(&mut self, count: usize) -> Result<Option<Block>, String> {
         let open = self.cutter.first().filter(|_| !self.ended);
         let decided = open.map_or(self.held.len(), |open| open - self.first);
-        while self.given < decided {
+        while self.given < decided && (self.ended || decided - self.given >= count) {
             let end = decided.min(self.given.saturating_add(count));
             let is_kept = |row: &usize| self.alone.is_none() || self.held[*row];
             let block = self.waiting.select((self.given..end).filter(is_kept));
@@ -360,27 +361,33 @@ mod tests {
         }
     }
 
-    /// The blocks of which it is known by now.
-    fn decided(settling: &mut Settling) -> Vec<Block> {
-        let next = || settling.take(usize::MAX).ok().flatten();
+    /// The blocks of `count` rows of which it is known by now.
+    fn decided(settling: &mut Settling, count: usize) -> Vec<Block> {
+        let next = || settling.take(count).ok().flatten();
         let next = std::iter::from_fn(next);
         next.take_while(|block| !block.is_empty()).collect()
     }
 
-    /// What comes of a log that is given in blocks of a size.
-    fn through(mut settling: Settling, log: &Block, size: usize) -> Block {
-        let (mut all, mut blocks) = (Block::default(), Vec::new());
+    /// The blocks that come of a log which is given in blocks of a size.
+    fn blocks(mut settling: Settling, log: &Block, size: usize) -> Vec<Block> {
+        let mut blocks = Vec::new();
         for start in (0..log.len()).step_by(size) {
             let mut block = log.clone();
             let rows = 0..log.len();
             let keep: Vec<bool> = rows.map(|k| (start..start + size).contains(&k)).collect();
             block.retain(&keep);
             settling.push(block);
-            blocks.extend(decided(&mut settling));
+            blocks.extend(decided(&mut settling, size));
         }
         settling.push(Block::default());
-        blocks.extend(decided(&mut settling));
-        for block in blocks {
+        blocks.extend(decided(&mut settling, size));
+        blocks
+    }
+
+    /// The same as one.
+    fn through(settling: Settling, log: &Block, size: usize) -> Block {
+        let mut all = Block::default();
+        for block in blocks(settling, log, size) {
             all.line.extend(block.line);
             all.pose.extend(block.pose);
             all.q.extend(block.q);
@@ -408,6 +415,19 @@ mod tests {
             assert_eq!(found.pose[50], 50);
             assert_eq!(found.pose[350], 350);
             assert_eq!(found.q, log(400, stop).q);
+        }
+    }
+
+    #[test]
+    fn blocks_are_whole_until_the_log_ends() {
+        // A row that moves is known by the next one, those of the stay at its end.
+        for (size, whole) in [(64, 6), (150, 2), (7, 57)] {
+            let blocks = blocks(Settling::new(1, None), &log(400, stop), size);
+            let sizes: Vec<usize> = blocks.iter().map(Block::len).collect();
+            assert_eq!(
+                sizes,
+                [&vec![size; whole][..], &[400 - whole * size]].concat()
+            );
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::hash::Hasher as _;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use twox_hash::XxHash64;
 
@@ -19,6 +19,7 @@ pub struct Table {
     pub name: String,
     header: Vec<String>,
     columns: Vec<Values>,
+    hash: OnceLock<u64>,
 }
 
 /// The values of a column.
@@ -41,6 +42,7 @@ impl Table {
             name: name.into(),
             header: Vec::new(),
             columns: Vec::new(),
+            hash: OnceLock::new(),
         }
     }
 
@@ -69,6 +71,7 @@ impl Table {
     fn with(mut self, name: &str, column: Values) -> Table {
         self.header.push(name.trim().to_string());
         self.columns.push(column);
+        self.hash.take();
         self
     }
 
@@ -81,21 +84,23 @@ impl Table {
     /// XXH64 over names and values, column by column: the same columns have the
     /// same hash wherever they are.
     fn hash(&self) -> u64 {
-        let mut hash = XxHash64::with_seed(0);
-        let text = |hash: &mut XxHash64, text: &str| {
-            hash.write(text.as_bytes());
-            hash.write(&[0]);
-        };
-        for (name, column) in self.header.iter().zip(&self.columns) {
-            text(&mut hash, name);
-            match column {
-                Values::Texts(all) => all.iter().for_each(|own| text(&mut hash, own)),
-                Values::Unusable(_, what) => hash.write(what.as_bytes()),
-                Values::Numbers(all) => all.iter().for_each(|x| hash.write(&x.to_le_bytes())),
-                Values::Integers(all) => all.iter().for_each(|x| hash.write(&x.to_le_bytes())),
+        *self.hash.get_or_init(|| {
+            let mut hash = XxHash64::with_seed(0);
+            let text = |hash: &mut XxHash64, text: &str| {
+                hash.write(text.as_bytes());
+                hash.write(&[0]);
+            };
+            for (name, column) in self.header.iter().zip(&self.columns) {
+                text(&mut hash, name);
+                match column {
+                    Values::Texts(all) => all.iter().for_each(|own| text(&mut hash, own)),
+                    Values::Unusable(_, what) => hash.write(what.as_bytes()),
+                    Values::Numbers(all) => all.iter().for_each(|x| hash.write(&x.to_le_bytes())),
+                    Values::Integers(all) => all.iter().for_each(|x| hash.write(&x.to_le_bytes())),
+                }
             }
-        }
-        hash.finish()
+            hash.finish()
+        })
     }
 }
 
@@ -183,6 +188,12 @@ impl RowSource for TableSource {
         }
         raw.line.extend(rows.clone().map(|row| row as u64 + 1));
         self.done = rows.end;
+        Ok(())
+    }
+
+    fn skip(&mut self, _: &Columns, rows: u64) -> Result<(), Error> {
+        let rows = usize::try_from(rows).unwrap_or(usize::MAX);
+        self.done = self.done.saturating_add(rows).min(self.rows);
         Ok(())
     }
 

@@ -59,19 +59,19 @@ impl CopRows {
     /// x and y rows of `n` postures `q` by base parameters of this support, 2n × p;
     /// `tilt` of each posture ([`tilt`]), level where not given.
     pub(crate) fn of(&self, q: &[f64], n: usize, tilt: Option<&[[f64; 2]]>) -> DMatrix<f64> {
-        self.rows(q, n, tilt).dense()
+        let mut rows = RowMatrix::zeros(2 * n, self.params);
+        self.write(q, n, tilt, &mut rows.entries);
+        rows.dense()
     }
 
-    /// The same row after row.
-    fn rows(&self, q: &[f64], n: usize, tilt: Option<&[[f64; 2]]>) -> RowMatrix {
+    /// The same into the caller's memory, row after row.
+    fn write(&self, q: &[f64], n: usize, tilt: Option<&[[f64; 2]]>, out: &mut [f64]) {
         let p = self.params;
-        let mut rows = RowMatrix::zeros(2 * n, p);
         let Some(tilt) = tilt.filter(|all| all.iter().flatten().any(|t| *t != 0.0)) else {
-            self.flat.run_into(q, n, &mut rows.entries);
-            return rows;
+            return self.flat.run_into(q, n, out);
         };
         let space = self.space.run(q, n);
-        let postures = rows.entries.chunks_exact_mut(2 * p);
+        let postures = out.chunks_exact_mut(2 * p);
         for ((out, space), tilt) in postures.zip(space.chunks_exact(3 * p)).zip(tilt) {
             let (flat, height) = space.split_at(2 * p);
             for (axis, out) in out.chunks_exact_mut(p).enumerate() {
@@ -80,7 +80,6 @@ impl CopRows {
                 out.iter_mut().zip(own).for_each(|(to, x)| *to = x);
             }
         }
-        rows
     }
 }
 
@@ -195,15 +194,15 @@ impl<'r> Measurement<'r> {
                 let shifts = both.map(|((&read, &smooth), &std)| ByMotion { read, smooth, std });
                 rows.motion.extend(shifts);
             }
-            let matrix = match moved {
-                Some(moved) => moved.rows,
-                None => standing.rows.rows(q, count, tilts.as_deref()),
-            };
             let entries = &mut rows.matrix.entries[own.start * p..own.end * p];
-            match &standing.shift {
-                None => entries.copy_from_slice(&matrix.entries),
-                Some(shift) => {
-                    let matrix = matrix.dense();
+            match (&standing.shift, moved) {
+                (None, None) => standing.rows.write(q, count, tilts.as_deref(), entries),
+                (None, Some(moved)) => entries.copy_from_slice(&moved.rows.entries),
+                (Some(shift), moved) => {
+                    let matrix = match moved {
+                        Some(moved) => moved.rows.dense(),
+                        None => standing.rows.of(q, count, tilts.as_deref()),
+                    };
                     let there = &matrix * &shift.offset;
                     reading.iter_mut().zip(&there).for_each(|(y, by)| *y -= by);
                     let here = shift.matrix.tr_mul(&matrix.transpose());

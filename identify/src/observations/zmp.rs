@@ -237,10 +237,42 @@ impl Zmp {
         tilts: &[[f64; 2]],
     ) -> Moved {
         let own = rows.start * self.dof..rows.end * self.dof;
-        let levers = match motion.gains_std[own.clone()].iter().any(|std| *std > 0.0) {
+        let levers = match motion.gains_std[own].iter().any(|std| *std > 0.0) {
             true => self.levers(q),
             false => vec![Lever::default(); self.dof],
         };
+        let parts = by_parts(0..tilts.len(), PART, |own| {
+            let of_log = rows.start + own.start..rows.start + own.end;
+            let q = &q[own.start * self.dof..own.end * self.dof];
+            self.moved_part(q, (motion, of_log), &tilts[own], &levers)
+        });
+        let columns = self.params.len();
+        let mut moved = Moved {
+            rows: RowMatrix {
+                entries: Vec::with_capacity(2 * tilts.len() * columns),
+                columns,
+            },
+            ..Moved::default()
+        };
+        for part in parts {
+            moved.rows.entries.extend(part.rows.entries);
+            moved.shift.extend(part.shift);
+            moved.smooth_shift.extend(part.smooth_shift);
+            moved.lift.extend(part.lift);
+            moved.correction.extend(part.correction);
+            moved.std.extend(part.std);
+        }
+        moved
+    }
+
+    fn moved_part(
+        &self,
+        q: &[f64],
+        (motion, rows): (&Motion, Range<usize>),
+        tilts: &[[f64; 2]],
+        levers: &[Lever],
+    ) -> Moved {
+        let own = rows.start * self.dof..rows.end * self.dof;
         let motion_read = [q, &motion.rates[own.clone()], &motion.gains[own.clone()]];
         let read = self.run(&self.by_cad, motion_read);
         // Where nothing smooth is known, rows have the noise of the readings' motion.
@@ -249,7 +281,6 @@ impl Zmp {
         let of_rows = self.run(&self.tape, smooth.unwrap_or(motion_read));
         let p = self.params.len();
         let mut moved = Moved::default();
-        moved.rows.columns = p;
         moved.rows.entries.reserve(2 * tilts.len() * p);
         let (read, _) = read.as_chunks::<8>();
         let both = read.iter().zip(of_rows.chunks_exact(self.tape.outputs()));
@@ -259,7 +290,7 @@ impl Zmp {
             moved.smooth_shift.push(by.shift(*tilt));
             moved.lift.push(parts.load() / GRAVITY - 1.0);
             let own = row * self.dof..(row + 1) * self.dof;
-            moved.std.push(deviation(&levers, motion, own));
+            moved.std.push(deviation(levers, motion, own));
             let row = |row: usize| &of_rows[row * p..(row + 1) * p];
             moved.correction.push([0, 1].map(|axis| {
                 let push = by.gain[axis] - GRAVITY * tilt[axis];

@@ -606,21 +606,31 @@ impl<'m> Block<'m> {
         }
     }
 
-    /// The sides on which joints rest in a posture context, posture by posture.
-    pub(in crate::diagnose) fn sides_of(&self, context: &[f64]) -> Arc<Vec<f64>> {
-        let (layout, dof) = (
-            PostureContext::of(self.context.robot),
-            self.context.robot.dof(),
-        );
-        let postures = context.chunks_exact(layout.len());
-        let sides = postures.flat_map(|own| (0..dof).map(|joint| own[layout.side(joint)]));
-        Arc::new(sides.collect())
+    /// The sides on which joints rest in the context of a fit to this log.
+    pub(in crate::diagnose) fn sides_of(&self, own: &[f64]) -> OwnSides {
+        let (robot, log) = (self.context.robot, &self.data.posture_context);
+        let layout = PostureContext::of(robot);
+        let postures = || (0..log.len()).step_by(layout.len());
+        let differs = |joint: &usize| {
+            let side = layout.side(*joint);
+            postures().any(|at| own[at + side].to_bits() != log[at + side].to_bits())
+        };
+        let joints: Vec<usize> = (0..robot.dof()).filter(differs).collect();
+        let sides = postures().flat_map(|at| joints.iter().map(move |j| own[at + layout.side(*j)]));
+        OwnSides {
+            sides: Arc::new(sides.collect()),
+            joints,
+        }
     }
 
-    /// The context of this log with joints on these sides.
-    pub(in crate::diagnose) fn context_of(&self, sides: &[f64]) -> Vec<f64> {
-        let (mut context, dof) = (self.data.posture_context.clone(), self.context.robot.dof());
-        self.put_sides(&mut context, 0..dof, |k, joint, _| sides[k * dof + joint]);
+    /// The context of this log with the sides of a fit in it.
+    pub(in crate::diagnose) fn context_of(&self, own: &OwnSides) -> Vec<f64> {
+        let mut context = self.data.posture_context.clone();
+        for (place, joint) in own.joints.iter().enumerate() {
+            self.put_sides(&mut context, [*joint].into_iter(), |k, _, _| {
+                own.sides[k * own.joints.len() + place]
+            });
+        }
         context
     }
 
@@ -699,4 +709,12 @@ pub(in crate::diagnose) fn run_alone(tape: &Tape, values: &[f64], postures: usiz
     let mut out = vec![0.0; postures * tape.outputs()];
     tape.run(&[Values::PerPosture(values)], postures, &mut out, FASTEST);
     out
+}
+
+/// The sides on which joints rest in a fit, where they are not those of the log's context.
+#[derive(Debug, Clone)]
+pub(in crate::diagnose) struct OwnSides {
+    joints: Vec<usize>,
+    /// Posture by posture.
+    sides: Arc<Vec<f64>>,
 }

@@ -79,9 +79,12 @@ fn limit(dof: &Dof) -> Option<f64> {
 
 pub(super) fn stamps_of_other_rows(rows: &LogRows) -> Option<Finding> {
     let (n, t) = (rows.len(), rows.block.t.as_ref()?);
+    if n < ENOUGH {
+        return None;
+    }
     let back = |k: usize| k > 0 && t[k] < t[k - 1];
     let part = (0..n).filter(|k| back(*k)).count() as f64 / (n - 1) as f64;
-    if n < ENOUGH || part <= MANY_ROWS {
+    if part <= MANY_ROWS {
         return None;
     }
     let percent = 100.0 * part;

@@ -203,8 +203,10 @@ impl Plan {
         if wanted == Wanted::Changes {
             self.find_changes(&mut motion, &t[around.clone()]);
         }
-        let keep: Vec<bool> = around.map(|row| rows.contains(&row)).collect();
-        motion.keep(&keep);
+        if around != rows {
+            let keep: Vec<bool> = around.map(|row| rows.contains(&row)).collect();
+            motion.keep(&keep);
+        }
         if wanted == Wanted::Smooth {
             motion.smooth = Some(self.smooth(t, q, &motion, rows));
         }

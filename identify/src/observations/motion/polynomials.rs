@@ -3,7 +3,7 @@
 use std::array;
 use std::ops::Range;
 
-use nalgebra::DMatrix;
+use nalgebra::SMatrix;
 use sesc_runtime::{F64x8, Simd};
 
 use super::windows::Nodes;
@@ -126,11 +126,18 @@ impl Polynomials {
 
 /// The inverse of the leading block of a positive definite matrix of `moments`; none of another.
 fn inverse(moments: &[f64; 2 * HIGH - 1], terms: usize) -> Option<[[f64; HIGH]; HIGH]> {
-    let factor = DMatrix::from_fn(terms, terms, |a, b| moments[a + b]).cholesky()?;
+    // Of the largest size whatever the terms, one beyond them: windows are many, and nothing is
+    // allocated.
+    let is_own = |a: usize, b: usize| a.max(b) < terms;
+    let factor = SMatrix::<f64, HIGH, HIGH>::from_fn(|a, b| match is_own(a, b) {
+        true => moments[a + b],
+        false => f64::from(u8::from(a == b)),
+    });
+    let factor = factor.cholesky()?;
     let least = SINGULAR * terms as f64;
     let pivots = factor.l_dirty().diagonal().map(|root| root * root);
     let inverse = factor.inverse();
-    let entry = |a: usize, b: usize| inverse.get((a, b)).copied().unwrap_or_default();
+    let entry = |a: usize, b: usize| if is_own(a, b) { inverse[(a, b)] } else { 0.0 };
     let entries = || array::from_fn(|a| array::from_fn(|b| entry(a, b)));
     pivots.iter().all(|pivot| *pivot > least).then(entries)
 }

@@ -24,7 +24,7 @@ macro_rules! fused {
         /// A scalar of which only the fused operation is special.
         #[derive(Debug, Clone, Copy)]
         #[repr(transparent)]
-        pub struct $name($scalar);
+        pub(crate) struct $name($scalar);
 
         fused!(@operator $name Add add +);
         fused!(@operator $name Sub sub -);

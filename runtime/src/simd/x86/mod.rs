@@ -96,7 +96,7 @@ macro_rules! register {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy)]
         #[repr(transparent)]
-        pub struct $name($raw);
+        pub(crate) struct $name($raw);
 
         register!(@operator $name Add add $add);
         register!(@operator $name Sub sub $sub);
