@@ -114,7 +114,7 @@ fn in_c(told: &Told) -> Vec<[f64; 2]> {
 
 #[test]
 fn the_corrected_urdf_needs_no_effect_and_the_next_postures_stand() {
-    let told = told(&[(Effect::JointOffset, "r_ank_pitch", -0.01)]);
+    let told = told(&[(Effect::JointOffset, "r_ank_pitch", -0.003)]);
     let folder = &told.folder;
     as_agreed(&told.said);
     says(folder.read("model.toml"), &["joint_offset"]);

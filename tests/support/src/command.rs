@@ -136,7 +136,8 @@ pub struct Sheet {
 impl Sheet {
     /// Reads the text of a table.
     pub fn read(text: &str) -> Sheet {
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let mut reader = csv::ReaderBuilder::new();
+        let mut reader = reader.comment(Some(b'#')).from_reader(text.as_bytes());
         let fields = |row: &csv::StringRecord| row.iter().map(str::to_owned).collect();
         let names = fields(reader.headers().expect("a header"));
         let rows = reader.records().map(|row| fields(&row.expect("a row")));

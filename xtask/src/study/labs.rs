@@ -55,9 +55,10 @@ pub(super) fn plan<'a>(asked: &'a Asked<'_>) -> Plan<'a> {
             ("fit ≤ 1.1", Cell::is(over(said.fit) <= 1.1)),
             ("diagnose ≤ 1.1", Cell::is(over(said.diagnosed) <= 1.1)),
             ("above 1.3", Cell::is(worst > 1.3)),
+            ("rates agree", Cell::of(said.agree.is_some(), said.agree == Some(true))),
             ("above 1.05 of CAD's", Cell::is(said.fit.max(said.diagnosed) > 1.05 * said.cad)),
                     ],
-                    note: (worst > 1.1).then_some(note),
+                    note: (worst > 1.1 || said.agree == Some(false)).then_some(note),
                 })
             })
         })

@@ -10,6 +10,7 @@
 //! the last tables.
 
 mod alarms;
+mod ankles;
 mod bought;
 mod com;
 mod effects;
@@ -37,11 +38,12 @@ type Scenario = (
     u64,
     Option<for<'a> fn(&'a Asked) -> Plan<'a>>,
 );
-const SCENARIOS: [Scenario; 11] = [
+const SCENARIOS: [Scenario; 12] = [
     ("effects", 400, 800_000, None),
     ("bought", 400, 1, Some(bought::plan)),
     ("com", 150, 1, Some(com::plan)),
     ("unlisted", 20, 1, Some(unlisted::plan)),
+    ("ankles", 60, 1, Some(ankles::plan)),
     ("labs", 20, 1, Some(labs::plan)),
     ("recordings", 8, 1, Some(recordings::plan)),
     ("motion", 1, 1, Some(motion::plan)),
@@ -54,7 +56,7 @@ const SCENARIOS: [Scenario; 11] = [
 /// What to ask how often.
 #[derive(Args)]
 pub struct Study {
-    /// effects, bought, com, unlisted, labs, recordings, motion, false-alarms, fast-alarms, health or fleet
+    /// effects, bought, com, unlisted, ankles, labs, recordings, motion, false-alarms, fast-alarms, health or fleet
     #[arg(value_parser = SCENARIOS.map(|scenario| scenario.0))]
     scenario: String,
     /// Number of logs, or of logs of each kind; that of the committed table unless given

@@ -1,5 +1,6 @@
 //! Virtual robots examined by the library: what `fit` and `diagnose` answer, beside the truth.
 
+pub mod ankles;
 pub mod bought;
 pub mod com;
 pub mod labs;
