@@ -655,11 +655,11 @@ mod tests {
 
     /// What a formula is at numbers, by its expression.
     fn value(text: &str, q: f64, k: f64) -> f64 {
-        let mut g = Graph::default();
+        let g = Graph::default();
         let (q, k) = (g.constant(q), g.constant(k));
         let formula = Formula::parse(text).unwrap();
         let variables = formula.variables().into_iter().map(|v| (v, q)).collect();
-        let id = formula.write(&mut g, &variables, &HashMap::from([("k", k)]));
+        let id = formula.write(&g, &variables, &HashMap::from([("k", k)]));
         g.value(id).unwrap()
     }
 
@@ -778,12 +778,12 @@ mod tests {
                     formula,
                     "{text}: {printed}"
                 );
-                let mut g = Graph::default();
+                let g = Graph::default();
                 let any = g.input(Argument::Positions, 0);
                 let variables = formula.variables().into_iter().map(|v| (v, any)).collect();
                 let names = formula.parameters();
                 let parameters = names.iter().map(|name| (name.as_str(), any)).collect();
-                formula.write(&mut g, &variables, &parameters);
+                formula.write(&g, &variables, &parameters);
             }
         }
     }

@@ -385,7 +385,7 @@ impl Tree {
             let (turned, origin) = frames[edge.near];
             let (own, moved) = match &edge.motion {
                 Motion::Fixed => (Matrix3::identity(), Vector3::zeros()),
-                Motion::Revolute { axis, by } => (snap::about(&axis, at(by)), Vector3::zeros()),
+                Motion::Revolute { axis, by } => (snap::about(axis, at(by)), Vector3::zeros()),
                 Motion::Prismatic { axis, by } => (Matrix3::identity(), axis * at(by)),
             };
             let place = origin + turned * (edge.anchor + moved);

@@ -5,7 +5,7 @@ use std::fs;
 use std::process::{Command, Output};
 
 use sesc_model::Function;
-use sesc_test_support::command::{Folder, files, printed, refused, rows, says, stderr, stdout};
+use sesc_test_support::command::{Folder, printed, refused, rows, says, stderr, stdout};
 use sesc_test_support::trees::Urdf;
 
 /// `sesc generate` of the OP2 in C, into `fw`, with more arguments.

@@ -151,7 +151,8 @@ fn cases() -> Vec<(EffectRecord, Bend)> {
         &[("s", 0.3), ("u", 2.0)],
     );
     let cell = of("fsr_2", Site::Cell, "z + t", &[("z", 0.5)]);
-    let others: [(EffectRecord, fn(World) -> World); 6] = [
+    type Hide = fn(World) -> World;
+    let others: [(EffectRecord, Hide); 6] = [
         (product, |w| w.sensor_function(0, |[x, y]| 3.0 * x * y)),
         (square, |w| {
             w.sensor_function(1, |[x, y]| 0.01 * x.abs() - 1.5 * y * y)

@@ -211,11 +211,12 @@ pub(super) fn frozen(rows: &LogRows, left_out: &mut LeftOut) -> Option<Finding> 
     let of_cells = rows.cells() > 0;
     let mut frozen: HashSet<usize> = HashSet::new();
     let (mut runs, mut counts) = (Vec::new(), [0, 0]);
-    for channel in 0..if of_cells { 1 } else { 2 } {
+    let channels = if of_cells { 1 } else { 2 };
+    for (channel, count) in counts.iter_mut().enumerate().take(channels) {
         for (run, moved, value) in frozen_runs(rows, &kept, channel) {
             frozen.extend(&kept[run.clone()]);
             left_out.frozen.insert((channel, value));
-            counts[channel] += 1;
+            *count += 1;
             runs.push((run, 1e3 * moved));
         }
     }

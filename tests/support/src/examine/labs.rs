@@ -15,7 +15,6 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use sesc_identify::diagnose::{self, Diagnosis};
 use sesc_identify::fit;
-use sesc_identify::robot::Robot;
 use sesc_model::ModelFile;
 use sesc_reference::{Track, World};
 

@@ -10,7 +10,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, StandardNormal};
 use sesc_identify::diagnose::{self, Diagnosis, Verdict};
-use sesc_identify::logs::{LogSource, Table};
+use sesc_identify::logs::LogSource;
 use sesc_identify::predict::{self, Predictions};
 use sesc_identify::robot::Stance;
 use sesc_model::{ModelFile, Quantity};
@@ -18,6 +18,7 @@ use sesc_reference::World;
 
 use super::Failure;
 use super::bought::bought;
+use crate::recording::Recording;
 use crate::stage::Stage;
 
 /// Postures of the log, of the healthy one, and of those that judge.
@@ -474,23 +475,19 @@ impl Trial {
     /// Rows of a log as a table.
     fn table<'r>(
         &self,
-        rows: impl Iterator<Item = (&'r Vec<f64>, &'r [f64; 2])> + Clone,
+        rows: impl Iterator<Item = (&'r Vec<f64>, &'r [f64; 2])>,
         apart_s: f64,
     ) -> LogSource {
-        let column = |value: &dyn Fn(usize, &Vec<f64>, &[f64; 2]) -> f64| -> Vec<f64> {
-            let rows = rows.clone().enumerate();
-            rows.map(|(k, (q, cop))| value(k, q, cop)).collect()
+        let (q, cop): (Vec<_>, Vec<_>) = rows.map(|(q, cop)| (q.clone(), *cop)).unzip();
+        let count = |by: f64| (0..q.len()).map(|k| by * k as f64).collect();
+        let recording = Recording {
+            joints: self.joints.clone(),
+            t: count(apart_s),
+            pose: Some(count(1.0)),
+            q,
+            cop,
         };
-        let mut table = Table::new("unlisted")
-            .numbers("t", column(&|k, _, _| apart_s * k as f64))
-            .numbers("pose", column(&|k, _, _| k as f64));
-        for (j, joint) in self.joints.iter().enumerate() {
-            table = table.numbers(joint, column(&|_, q, _| q[j]));
-        }
-        for (axis, name) in ["cop_x", "cop_y"].into_iter().enumerate() {
-            table = table.numbers(name, column(&|_, _, cop| cop[axis]));
-        }
-        table.into()
+        super::log(&recording, true)
     }
 }
 
