@@ -516,8 +516,8 @@ pub(super) struct Explained {
     pub diagnosis: Diagnosis,
     /// The explanation, fitted.
     pub best: Fit,
-    /// What the model file holds: the explanation, or the one of its class that moves the CoM
-    /// least.
+    /// What the model file holds: the explanation, or one of its class that leaves the CoM where
+    /// CAD has it.
     pub written: Fit,
     /// The place of each step among its terms.
     pub told: Vec<usize>,

@@ -322,7 +322,7 @@ fn stated(problem: &Problem, predicted: &[InFile], fit: Fit) -> Fit {
 
 /// State for every member of the class how far its CoM is from the first one's, m RMS over
 /// the postures of the log; unknown where an effect is no part of model files. Where they are far
-/// apart, the model holds the one that moves CAD's CoM least: data do not ask for more.
+/// apart and one leaves the CoM where CAD has it, the model holds that one: data ask for no more.
 pub(super) fn state_com_apart(problem: &Problem, nothing: &Fit, found: &mut Explained) {
     let others = found.class.iter().filter(|fit| !fit.terms.is_empty());
     let coms_of_all: Vec<_> = others.map(|fit| coms(problem, fit)).collect();
@@ -338,6 +338,7 @@ pub(super) fn state_com_apart(problem: &Problem, nothing: &Fit, found: &mut Expl
     {
         let moved = apart(&coms(problem, nothing)).into_iter().enumerate();
         let moved = moved.filter_map(|(k, moved)| Some((k, moved?)));
+        let moved = moved.filter(|(_, moved)| *moved <= COM_APART_M);
         if let Some((least, _)) = moved.min_by(|a, b| a.1.total_cmp(&b.1)) {
             found.written = found.class[least].clone();
         }
@@ -357,7 +358,7 @@ pub(super) fn com_sentence(found: &Explained) -> Option<String> {
         let written = found.class.iter().zip(&found.diagnosis.class);
         let mut written = written.filter(|(fit, _)| fit.terms == found.written.terms);
         let held = written.next().map_or_else(String::new, |(_, own)| {
-            format!("; the model holds {}, which moves it least", own.subjects)
+            format!("; the model holds {}", own.subjects)
         });
         format!(
             "These explanations do not agree on the CoM: with {} it lies {:.1} mm RMS away; \

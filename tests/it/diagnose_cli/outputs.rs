@@ -112,6 +112,22 @@ fn in_c(told: &Told) -> Vec<[f64; 2]> {
     Sheet::read(&format!("cop_x,cop_y\n{rows}")).cop()
 }
 
+/// An ankle that is off by more reads like a moved sensor, and the CoM would be millimetres apart.
+#[test]
+fn the_model_of_a_class_leaves_the_com_where_cad_has_it() {
+    let told = told(&[(Effect::JointOffset, "r_ank_pitch", -0.01)]);
+    assert_eq!(told.said["verdict"], "class");
+    says(
+        told.said["sentence"].as_str().unwrap(),
+        &["do not agree on the CoM", "the model holds"],
+    );
+    let file = told.folder.read("model.toml");
+    assert!(
+        file.contains("[[effects]]") && !file.contains("joint_offset"),
+        "{file}"
+    );
+}
+
 #[test]
 fn the_corrected_urdf_needs_no_effect_and_the_next_postures_stand() {
     let told = told(&[(Effect::JointOffset, "r_ank_pitch", -0.003)]);
