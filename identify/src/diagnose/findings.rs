@@ -293,7 +293,7 @@ pub enum Suspect {
     Moment(String),
     /// Place in the log.
     Place,
-    /// An effect with its target, in the place of which others explain as much.
+    /// An effect with its target: others explain as much, or it is of no help on held-out postures.
     Effect(String),
 }
 

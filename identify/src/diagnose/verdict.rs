@@ -150,7 +150,7 @@ pub(super) fn state(problem: &Problem, found: &mut Explained) {
             }
             if !guessed.is_empty() {
                 parts.push(format!(
-                    "Other effects explain as much as {}: not in the model.",
+                    "Perhaps a part of it, too uncertain for the model: {}.",
                     listed(guessed, NAMED)
                 ));
             }
